@@ -116,53 +116,29 @@ class PaintPrior:
 
 @dataclass(frozen=True)
 class Observation:
-    """The usual colour of a surface in a photo.
-
-    Attributes
-    ----------
-    photo : str
-    surface : SurfaceKey
-    own : bool
-        Whether it is seen from within the room.
-    weight : float
-        Share of the photo's pixels, as in ``colours.parquet``.
-    colour : (3,) float
-        Linear RGB.
-    mixed : float
-        How much the light in the photo varies between lamp and sky: standard deviation of the log
-        colours along `PaintPrior.lamp` within its walls and ceilings.
-    lit_by : SurfaceKey or None
-        The walls that throw their colour on it.
-    room : str
-        Where the photo was taken: the room of most that it shows from within.
-    """
+    """The usual colour of a surface in a photo."""
 
     photo: str
     surface: SurfaceKey
-    own: bool
-    weight: float
-    colour: tuple[float, float, float]
+    own: bool  #: whether it is seen from within the room
+    weight: float  #: share of the photo's pixels, as in ``colours.parquet``
+    colour: tuple[float, float, float]  #: (3,) float: Linear RGB
+    #: how much the light in the photo varies between lamp and sky: standard deviation of the log
+    #: colours along `PaintPrior.lamp` within its walls and ceilings
     mixed: float = 0.0
-    lit_by: SurfaceKey | None = None
-    room: str = ""
+    lit_by: SurfaceKey | None = None  #: the walls that throw their colour on it
+    room: str = ""  #: where the photo was taken: the room of most that it shows from within
 
 
 @dataclass(frozen=True, eq=False)
 class HousePaint:
-    """The likeliest paint and light.
+    """The likeliest paint and light."""
 
-    Attributes
-    ----------
-    paint : dict of SurfaceKey to (3,) float64
-        Linear reflectance of every observed surface.
-    white : frozenset of SurfaceKey
-        Surfaces that are white.
-    light : dict of str to (3,) float64
-        Light times exposure of every photo, linear RGB: observed = paint * light.
-    """
-
+    #: dict of SurfaceKey to (3,) float64: Linear reflectance of every observed surface
     paint: Mapping[SurfaceKey, np.ndarray] = field(default_factory=dict)
-    white: frozenset[SurfaceKey] = frozenset()
+    white: frozenset[SurfaceKey] = frozenset()  #: surfaces that are white
+    #: dict of str to (3,) float64: Light times exposure of every photo, linear RGB: observed =
+    #: paint * light
     light: Mapping[str, np.ndarray] = field(default_factory=dict)
 
 

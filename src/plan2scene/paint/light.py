@@ -42,36 +42,19 @@ _ZERO: Axes = (0.0, 0.0, 0.0)
 
 @dataclass(frozen=True)
 class LightPrior:
-    """Standard deviations of the terms on the three axes, natural log; by floor, wall, ceiling.
+    """Standard deviations of the terms on the three axes, natural log; by floor, wall, ceiling."""
 
-    Attributes
-    ----------
-    own : 3 x 3
-        Of a surface's own paint.
-    noise : 3 x 3
-        Of the light on the part of a surface that one photo shows.
-    house, house_mean : 3
-        Light and exposure of all photos of a house.
-    photo : 3
-        Light of a photo about the house's.
-    kind : 3 x 3
-        What all surfaces of a kind have in common in a house.
-    room : 3
-        Light of a room about the house's.
-    paint_mean : 3 x 3
-        Usual paint, where the caller does not say it.
-    huber : float
-        Residuals beyond so many standard deviations count less; infinite for plain least squares.
-    """
-
-    own: tuple[Axes, Axes, Axes]
-    noise: tuple[Axes, Axes, Axes]
-    house: Axes
+    own: tuple[Axes, Axes, Axes]  #: of a surface's own paint
+    noise: tuple[Axes, Axes, Axes]  #: of the light on the part of a surface that one photo shows
+    house: Axes  #: house, house_mean: light and exposure of all photos of a house
     house_mean: Axes = _ZERO
-    photo: Axes = _ZERO
+    photo: Axes = _ZERO  #: light of a photo about the house's
+    #: what all surfaces of a kind have in common in a house
     kind: tuple[Axes, Axes, Axes] = (_ZERO, _ZERO, _ZERO)
-    room: Axes = _ZERO
+    room: Axes = _ZERO  #: light of a room about the house's
+    #: usual paint, where the caller does not say it
     paint_mean: tuple[Axes, Axes, Axes] = (_ZERO, _ZERO, _ZERO)
+    #: residuals beyond so many standard deviations count less; infinite for plain least squares
     huber: float = np.inf
 
 
@@ -120,20 +103,14 @@ _BLACK = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class LogSums:
-    """Observed log values that are sums of terms: ``observed = design @ terms + noise``.
+    """Observed log values that are sums of terms: ``observed = design @ terms + noise``."""
 
-    Attributes
-    ----------
-    design : (m, t) float64
-    observed, noise : (m, 3) float64
-        Log colours on the axes, and the standard deviations of their noise.
-    mean, deviation : (t, 3) float64
-        Normal priors of the terms; a deviation of 0 fixes a term.
-    """
-
-    design: np.ndarray
+    design: np.ndarray  #: (m, t) float64
+    #: observed, noise: (m, 3) float64: Log colours on the axes, and the standard deviations of
+    #: their noise
     observed: np.ndarray
     noise: np.ndarray
+    #: mean, deviation: (t, 3) float64: Normal priors of the terms; a deviation of 0 fixes a term
     mean: np.ndarray
     deviation: np.ndarray
 

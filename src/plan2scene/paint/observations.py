@@ -38,52 +38,31 @@ class SurfaceColour:
 
 @dataclass(frozen=True, eq=False)
 class PlaneColours:
-    """What a photo shows of a plane.
-
-    Attributes
-    ----------
-    photo : str
-    rooms : tuple of str
-        Whose it may be.
-    surface : str
-        Of ``house.SURFACES``; ``door`` for a door leaf, ``frame`` for frames of windows.
-    plane : int
-        Number of the plane within photo and surface.
-    own : bool
-        Whether it is seen from within the room.
-    walls : tuple of str
-        Ids of the walls on the plane; none where they are not known. Of a door that of the opening.
-    weight : float
-        Share of the photo's pixels, times the mean squared sine of the angle of view, shared
-        among the rooms.
-    colours : (SHARES, 3) float32
-        Linear RGB of equal shares of it, from the darkest to the brightest.
-    """
+    """What a photo shows of a plane."""
 
     photo: str
-    rooms: tuple[str, ...]
+    rooms: tuple[str, ...]  #: whose it may be
+    #: of ``house.SURFACES``; ``door`` for a door leaf, ``frame`` for frames of windows
     surface: str
-    plane: int
-    own: bool
+    plane: int  #: number of the plane within photo and surface
+    own: bool  #: whether it is seen from within the room
+    #: ids of the walls on the plane; none where they are not known. Of a door that of the opening.
     walls: tuple[str, ...]
+    #: share of the photo's pixels, times the mean squared sine of the angle of view, shared among
+    #: the rooms
     weight: float
+    #: (SHARES, 3) float32: Linear RGB of equal shares of it, from the darkest to the brightest
     colours: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
 class HouseColours:
-    """What photos show of the surfaces of n rooms.
+    """What photos show of the surfaces of n rooms."""
 
-    Attributes
-    ----------
-    colours : (n, 3, 3) float64
-        Linear RGB of the surfaces in the order of ``house.SURFACES``; anything where none is seen.
-    photos : (n, 3) float64
-        How many photos that is worth; 0 for none.
-    """
-
+    #: (n, 3, 3) float64: Linear RGB of the surfaces in the order of ``house.SURFACES``; anything
+    #: where none is seen
     colours: np.ndarray
-    photos: np.ndarray
+    photos: np.ndarray  #: (n, 3) float64: How many photos that is worth; 0 for none
 
     @classmethod
     def of_embeddings(cls, embeddings: np.ndarray, observed: np.ndarray) -> HouseColours:

@@ -43,39 +43,21 @@ LAYING = LayingSettings()
 
 @dataclass(frozen=True, eq=False)
 class LaidPattern:
-    """How a floor is laid, a row of ``patterns.parquet`` (docs/conventions.md).
+    """How a floor is laid, a row of ``patterns.parquet`` (docs/conventions.md)."""
 
-    Attributes
-    ----------
-    kind : str
-        ``planks``, ``tiles``, ``herringbone`` or ``chevron``.
-    width_m, length_m : float
-        Of a unit; length NaN for planks of many lengths.
-    direction_deg : float
-        Of the length, from +x towards +z; NaN where not known.
-    offset : float
-        Of a row against the row before, over the length.
-    joint : (3,) float
-        By how much a joint's sRGB is less than its units', over theirs.
-    joint_m : float
-    units : list of (h, w, 3) uint8
-        sRGB levels, 127.5 where the floor has its usual colour; none where only joints are known.
-    like : str
-        Room whose floor runs on in this one, which no photo shows; empty for none.
-    slant_deg : float
-        Between units and direction: of a herringbone or chevron, 0 for rows.
-    """
-
-    kind: str
-    width_m: float
+    kind: str  #: ``planks``, ``tiles``, ``herringbone`` or ``chevron``
+    width_m: float  #: width_m, length_m: of a unit; length NaN for planks of many lengths
     length_m: float
-    direction_deg: float
-    offset: float
+    direction_deg: float  #: of the length, from +x towards +z; NaN where not known
+    offset: float  #: of a row against the row before, over the length
+    #: (3,) float: By how much a joint's sRGB is less than its units', over theirs
     joint: np.ndarray
     joint_m: float
+    #: list of (h, w, 3) uint8: sRGB levels, 127.5 where the floor has its usual colour; none where
+    #: only joints are known
     units: list[np.ndarray]
-    like: str = ""
-    slant_deg: float = 0.0
+    like: str = ""  #: room whose floor runs on in this one, which no photo shows; empty for none
+    slant_deg: float = 0.0  #: between units and direction: of a herringbone or chevron, 0 for rows
 
     @property
     def square(self) -> bool:

@@ -68,29 +68,17 @@ MAPS = MapSettings()
 
 @dataclass(frozen=True, eq=False)
 class Detail:
-    """The sources of a map.
+    """The sources of a map."""
 
-    Attributes
-    ----------
-    sources : list of Source
-        Float sRGB in [0, 1] at `px_per_m`, the best first.
-    px_per_m : float
-    resolved : float
-        Photo pixels per metre that the crops have, in the median.
-    periods : (float, float)
-        Of the lattice along x and y, pixels; NaN for none.
-    origins : (n, 3) float
-        Number of the photo's plane that each source shows, and its middle there, pixels (x, y).
-    turned : (n,) bool
-        Which sources are turned by 90 degrees against their plane.
-    """
-
-    sources: list[Source]
+    sources: list[Source]  #: float sRGB in [0, 1] at `px_per_m`, the best first
     px_per_m: float
-    resolved: float
+    resolved: float  #: photo pixels per metre that the crops have, in the median
+    #: (float, float): Of the lattice along x and y, pixels; NaN for none
     periods: tuple[float, float]
+    #: (n, 3) float: Number of the photo's plane that each source shows, and its middle there,
+    #: pixels (x, y)
     origins: np.ndarray
-    turned: np.ndarray
+    turned: np.ndarray  #: (n,) bool: Which sources are turned by 90 degrees against their plane
 
 
 def detail_of_pattern(pattern: Pattern, size_m: float) -> Detail:
@@ -377,28 +365,15 @@ def _profile(source: Source, axis: int, period: float) -> np.ndarray:
 
 @dataclass(frozen=True)
 class SurfaceMap:
-    """One image for a whole surface.
+    """One image for a whole surface."""
 
-    Attributes
-    ----------
-    jpeg : bytes
-        sRGB.
-    area : Area
-        What it covers in the mesh's texture coordinates, metres.
-    px_per_m, photo_px_per_m : float
-        Its pixels per metre, and those that the photos have of the surface.
-    pattern : str
-        Kind and size of the units that it is laid of, in words; empty for none.
-    split_m : float, optional
-        Height above the floor at which its two bands meet.
-    """
-
-    jpeg: bytes
-    area: Area
+    jpeg: bytes  #: sRGB
+    area: Area  #: what it covers in the mesh's texture coordinates, metres
+    #: px_per_m, photo_px_per_m: its pixels per metre, and those that the photos have of the surface
     px_per_m: float
     photo_px_per_m: float
-    pattern: str = ""
-    split_m: float | None = None
+    pattern: str = ""  #: kind and size of the units that it is laid of, in words; empty for none
+    split_m: float | None = None  #: height above the floor at which its two bands meet
 
     def facts(self) -> dict[str, Any]:
         """Return what ``maps.json`` says about it."""

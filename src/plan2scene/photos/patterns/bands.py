@@ -45,37 +45,20 @@ _GREY = np.full(3, 1 / 3)
 
 @dataclass(frozen=True, eq=False)
 class WallView:
-    """A wall in one photo, seen straight on.
-
-    Attributes
-    ----------
-    photo : str
-    room : str
-    plane : str
-        Name of the plane, as the ids of its crops begin.
-    camera_m : float
-        Height of the camera, to which the crops' windows refer.
-    placed : bool
-        Whether its metres are the plan's.
-    step_m : float
-        Height of the clearest step of colour; NaN for none.
-    upper, step : (3,) float
-        Log of the linear RGB above it, and of that below it over that above.
-    width_m : float
-        Width along which it is seen.
-    widths : (n,) float
-        Width that is seen at and beside each height of `heights`, metres; 0 where it is too little.
-    """
+    """A wall in one photo, seen straight on."""
 
     photo: str
     room: str
-    plane: str
-    camera_m: float
-    placed: bool
-    step_m: float
+    plane: str  #: name of the plane, as the ids of its crops begin
+    camera_m: float  #: height of the camera, to which the crops' windows refer
+    placed: bool  #: whether its metres are the plan's
+    step_m: float  #: height of the clearest step of colour; NaN for none
+    #: upper, step: (3,) float: Log of the linear RGB above it, and of that below it over that above
     upper: np.ndarray
     step: np.ndarray
-    width_m: float
+    width_m: float  #: width along which it is seen
+    #: (n,) float: Width that is seen at and beside each height of `heights`, metres; 0 where it is
+    #: too little
     widths: np.ndarray
 
 

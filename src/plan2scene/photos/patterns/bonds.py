@@ -14,22 +14,13 @@ PX_PER_M = 200.0
 
 @dataclass(frozen=True)
 class Zigzag:
-    """How planks lie in columns.
+    """How planks lie in columns."""
 
-    Attributes
-    ----------
-    kind : str
-        ``herringbone`` or ``chevron``.
-    width_m, length_m : float
-        Of a plank across and along its long side, with half a joint on each side.
-    slant_deg : float
-        Between planks and columns.
-    """
-
-    kind: str
+    kind: str  #: ``herringbone`` or ``chevron``
+    #: width_m, length_m: of a plank across and along its long side, with half a joint on each side
     width_m: float
     length_m: float
-    slant_deg: float = 45.0
+    slant_deg: float = 45.0  #: between planks and columns
 
     @property
     def period_m(self) -> tuple[float, float]:

@@ -70,46 +70,27 @@ NAN = float("nan")
 
 @dataclass(frozen=True)
 class FoundPattern:
-    """The pattern of a floor.
+    """The pattern of a floor."""
 
-    Attributes
-    ----------
-    kind : str
-        ``planks``, ``tiles``, ``herringbone``, ``chevron``, ``mosaic``, ``plain``, or ``other``: it
-        repeats, but not in rows, as a basket.
-    width_m, length_m : float
-        Of a unit with half a joint on each side; NaN where not known (planks of many lengths).
-    width_spread : float
-        Standard deviation of the width between photos, over the width.
-    direction_deg : float
-        Of the planks or of the tiles' longer side in the plan, from +x towards +z, [0, 180); of
-        square tiles [0, 90). Of the columns of a herringbone or chevron. NaN where no located photo
-        shows it.
-    offset : float
-        Shift of a row against the row before, over the length.
-    confidence : float
-        Probability that its kind is right.
-    line : str
-        What the joints are against the units: ``dark``, ``light`` or only a ``step`` of tone.
-    photos : tuple of str
-        Those that show it.
-    located : int
-        Located views that share the direction.
-    slant_deg : float
-        Between the units and the direction: 0 for rows.
-    """
-
+    #: ``planks``, ``tiles``, ``herringbone``, ``chevron``, ``mosaic``, ``plain``, or ``other``: it
+    #: repeats, but not in rows, as a basket
     kind: str
+    #: width_m, length_m: of a unit with half a joint on each side; NaN where not known (planks of
+    #: many lengths)
     width_m: float = NAN
     length_m: float = NAN
-    width_spread: float = NAN
+    width_spread: float = NAN  #: standard deviation of the width between photos, over the width
+    #: of the planks or of the tiles' longer side in the plan, from +x towards +z, [0, 180); of
+    #: square tiles [0, 90). Of the columns of a herringbone or chevron. NaN where no located photo
+    #: shows it.
     direction_deg: float = NAN
-    offset: float = 0.0
-    confidence: float = 0.0
+    offset: float = 0.0  #: shift of a row against the row before, over the length
+    confidence: float = 0.0  #: probability that its kind is right
+    #: what the joints are against the units: ``dark``, ``light`` or only a ``step`` of tone
     line: str = ""
-    photos: tuple[str, ...] = ()
-    located: int = 0
-    slant_deg: float = 0.0
+    photos: tuple[str, ...] = ()  #: those that show it
+    located: int = 0  #: located views that share the direction
+    slant_deg: float = 0.0  #: between the units and the direction: 0 for rows
 
 
 @dataclass(frozen=True)

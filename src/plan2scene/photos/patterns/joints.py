@@ -72,20 +72,11 @@ class Upright:
 
 @dataclass(frozen=True, eq=False)
 class Direction:
-    """Lines of a view that run in one direction.
+    """Lines of a view that run in one direction."""
 
-    Attributes
-    ----------
-    angle_deg : float
-        From +x of the image towards +y (down), [0, 180).
-    view : Upright
-    kept : float
-        Contrast that is left when averaged along the lines.
-    """
-
-    angle_deg: float
+    angle_deg: float  #: from +x of the image towards +y (down), [0, 180)
     view: Upright
-    kept: float
+    kept: float  #: contrast that is left when averaged along the lines
 
     @cached_property
     def lines(self) -> dict[str, np.ndarray]:

@@ -53,24 +53,17 @@ _DRAWN = (255, 0, 160)
 
 @dataclass(frozen=True, eq=False)
 class Units:
-    """What a pattern is laid of.
+    """What a pattern is laid of."""
 
-    Attributes
-    ----------
-    images : list of (h, w, 3) uint8
-        At `JOINTS.px_per_m`, along the length to the right, without joints: sRGB levels times 0.5
-        over the floor's usual ones.
-    joint : (3,) float
-        By how much a joint's sRGB is less than its units', over theirs; negative for light joints.
-    joint_m : float
-        Width of a joint that differs so.
-    shown : (h, w, 3) uint8
-        sRGB of a view at `UNITS.shown_px_per_m`, rows along x, the found joints drawn over it.
-    """
-
+    #: list of (h, w, 3) uint8: At `JOINTS.px_per_m`, along the length to the right, without joints:
+    #: sRGB levels times 0.5 over the floor's usual ones
     images: list[np.ndarray]
+    #: (3,) float: By how much a joint's sRGB is less than its units', over theirs; negative for
+    #: light joints
     joint: np.ndarray
-    joint_m: float
+    joint_m: float  #: width of a joint that differs so
+    #: (h, w, 3) uint8: sRGB of a view at `UNITS.shown_px_per_m`, rows along x, the found joints
+    #: drawn over it
     shown: np.ndarray
 
 

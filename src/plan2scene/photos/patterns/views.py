@@ -24,37 +24,19 @@ _MEASURED = ("plan", "room_height")
 
 @dataclass(frozen=True, eq=False)
 class FloorView:
-    """A floor in one photo, seen straight on.
-
-    Attributes
-    ----------
-    photo : str
-    rooms : tuple of str
-        Rooms that it may belong to.
-    in_plan : bool
-        Whether +x and +y (down) of the image are the plan's x and z, else the photo's own frame.
-    image : (h, w, 3) uint8
-        sRGB at `JOINTS.px_per_m`.
-    mask : (h, w) bool
-        The floor.
-    directions : list of Direction
-        Of its lines.
-    px_per_m : float
-        Photo pixels per metre where it is seen best.
-    camera_m : float
-        Height of the camera that gives the view its metres; NaN where that is a guess.
-    usual : float
-        Metres that one of the view's would be with the house's usual camera height.
-    """
+    """A floor in one photo, seen straight on."""
 
     photo: str
-    rooms: tuple[str, ...]
+    rooms: tuple[str, ...]  #: rooms that it may belong to
+    #: whether +x and +y (down) of the image are the plan's x and z, else the photo's own frame
     in_plan: bool
-    image: np.ndarray
-    mask: np.ndarray
-    directions: list[Direction]
-    px_per_m: float = JOINTS.px_per_m
+    image: np.ndarray  #: (h, w, 3) uint8: sRGB at `JOINTS.px_per_m`
+    mask: np.ndarray  #: (h, w) bool: The floor
+    directions: list[Direction]  #: of its lines
+    px_per_m: float = JOINTS.px_per_m  #: photo pixels per metre where it is seen best
+    #: height of the camera that gives the view its metres; NaN where that is a guess
     camera_m: float = float("nan")
+    #: metres that one of the view's would be with the house's usual camera height
     usual: float = 1.0
 
     @property

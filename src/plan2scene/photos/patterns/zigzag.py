@@ -49,22 +49,13 @@ _RATIOS = np.exp(np.arange(np.log(ZIGZAG.ratio[0]), np.log(ZIGZAG.ratio[1]), _ST
 
 @dataclass(frozen=True, eq=False)
 class Slants:
-    """What a view shows of planks in columns of one direction.
-
-    Attributes
-    ----------
-    view : FloorView
-    columns_deg : float
-        From +x of the image towards +y (down), [0, 180).
-    slant_deg : float
-        Between planks and columns.
-    scores : (n, m) float
-        How clearly planks repeat of each of `_WIDTHS` and `_RATIOS` of length to width, 0..1.
-    """
+    """What a view shows of planks in columns of one direction."""
 
     view: FloorView
-    columns_deg: float
-    slant_deg: float
+    columns_deg: float  #: from +x of the image towards +y (down), [0, 180)
+    slant_deg: float  #: between planks and columns
+    #: (n, m) float: How clearly planks repeat of each of `_WIDTHS` and `_RATIOS` of length to
+    #: width, 0..1
     scores: np.ndarray
 
     @property
