@@ -176,7 +176,7 @@ _SCREEN = 2.0
 
 @dataclass(frozen=True, eq=False)
 class _Solution:
-    """Log posterior (up to a constant), terms (t, 3), `_SORTS` of the surfaces (s,) int."""
+    """Log posterior (up to a constant), terms (t, 3), sorts of the surfaces (s,) int."""
 
     value: float
     terms: np.ndarray
@@ -217,10 +217,10 @@ class _Problem:
         covariance[:, 1:, 1:] += np.outer(prior.lamp, prior.lamp) * mixed[:, None, None] ** 2
         self.precision = np.linalg.inv(covariance)
         self.kind = kinds = np.array([KINDS.index(key.kind) for key in self.surfaces])
-        #: Of each sort and surface: mean and deviation of its paint, (3, s, 3), log probability.
         alike = np.zeros((len(kinds), 1))
         means = np.array(prior.colour)[kinds], prior.white + alike, prior.pale + alike
         spreads = prior.white_deviation + alike, prior.pale_deviation + alike
+        #: Of each sort and surface: mean and deviation of its paint, (3, s, 3), log probability.
         self.means = np.array(means)
         self.deviations = np.array([np.array(prior.colour_deviation)[kinds], *spreads])
         white, pale = np.array(prior.share_white), np.array(prior.share_pale)

@@ -28,6 +28,7 @@ from plan2scene.paint.surfaces import (
     read_paint,
     read_seen_photos,
 )
+from plan2scene.plans.parse import ID_PATTERN
 from plan2scene.stage_json import read_stage_json
 from plan2scene.textures.evidence import evidence_of
 from plan2scene.textures.plain import plain
@@ -65,7 +66,7 @@ def paint_textures(
     paints, white_surfaces = read_paint(paint)
     for key in paints:
         usual = SurfaceKey(key.room_id, key.kind)
-        if key != usual and usual in entries:
+        if key != usual and usual in entries and ID_PATTERN.fullmatch(key.surface):
             tiles[key], entries[key] = tiles[usual], entries[usual] | {"observed": True}
             if usual not in paints:  # its crops show the accent
                 entries[usual] = entries[usual] | {"observed": False}

@@ -95,6 +95,9 @@ def test_an_accent_wall_has_its_own_paint_in_the_house(gap_house, tmp_path, aske
     materials = pd.DataFrame({"room_id": [], "surface": [], "material": []})
     write_parquet(files[1], materials, {})
     write_paint(*files, dataset="d", house="h", accents=asked)
+    table, metadata = read_parquet(files[2])
+    odd = table[table["surface"] == "wall"].assign(surface="wall.a/../../x")  # no name of a file
+    write_parquet(files[2], pd.concat([table, odd]), metadata)
     tile = np.full((32, 32, 3), 150, np.uint8)
     (tmp_path / "t").mkdir()
     for key in house.surface_keys():
@@ -103,6 +106,7 @@ def test_an_accent_wall_has_its_own_paint_in_the_house(gap_house, tmp_path, aske
     index = {"/".join(key): entry for key in house.surface_keys()}
     write_json(tmp_path / "t" / "textures.json", {"method": "toy", "surfaces": index})
     paint_textures(tmp_path / "t", files[2], tmp_path / "out")
+    assert not list(tmp_path.rglob("x.*"))
     shown, textures = textured(tmp_path / "out", house)
     own, usual = SurfaceKey("a", f"wall.{wall}"), SurfaceKey("a", "wall")
     paint, white = read_paint(files[2])
