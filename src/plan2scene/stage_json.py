@@ -77,6 +77,7 @@ FORMS: dict[str, dict[str, Any]] = {
     "cameras": _object(_CAMERA),
     "kinds": _record({"source": _TEXT, "photos": _object(_list(_SHARE, 6))}),
     "matches": _list({**_list({}, 3), "prefixItems": [_TEXT, _TEXT, _COUNT]}),
+    "spots": _list({**_list({}, 3), "prefixItems": [_TEXT, _TEXT, {"enum": [0, 1, 2, 3]}]}),
     "warnings": _list(_TEXT),
     "photo_rooms": _object(_list(_ROOM)),
     "light": _record({"gains": _object(_list(_POSITIVE, 3))}),

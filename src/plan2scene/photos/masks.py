@@ -30,12 +30,13 @@ from plan2scene.photos.labels.palette import (
     KINDS_FILE,
     MATCHES_FILE,
     PROBABILITIES,
+    SPOTS_FILE,
     read_label_png,
     without_openings,
     write_label_png,
     write_probability_png,
 )
-from plan2scene.photos.matches import Points, find_points, match_photos
+from plan2scene.photos.matches import SPOTS, Points, find_points, match_photos, same_spot
 from plan2scene.photos.photo_files import read_photo
 
 _log = logging.getLogger("plan2scene")
@@ -61,7 +62,7 @@ def make_masks(
     warning, too. `label` returns what labels the photos; it is not called for a house without any.
     `out_dir` is replaced as a whole: ``{stem}.png`` labels at the size that `read_photo` gives,
     ``probabilities/{stem}.png`` where the source tells them, ``cameras.json``,
-    ``segments.parquet``, ``kinds.json``, ``matches.json``, ``warnings.json``
+    ``segments.parquet``, ``kinds.json``, ``matches.json``, ``spots.json``, ``warnings.json``
     (``docs/conventions.md``).
 
     `fov_deg` is the horizontal field of view in degrees where neither EXIF data nor vanishing
@@ -92,12 +93,15 @@ def make_masks(
                     if shot is not None:
                         shots[name] = shot
         _log.info("%d photos labelled, %d left out", len(shots), len(photos) - len(shots))
-        write_json(folder / "cameras.json", _cameras(shots, folder, fov_deg))
+        cameras = _cameras(shots, folder, fov_deg)
+        write_json(folder / "cameras.json", {name: c.to_json() for name, c in cameras.items()})
         kinds = {name: shot.kinds for name, shot in shots.items() if shot.kinds}
         write_json(folder / KINDS_FILE, {"source": find_rooms or "", "photos": kinds})
         points = {name: shot.points for name, shot in shots.items() if shot.points is not None}
         matches = match_photos(points)
         write_json(folder / MATCHES_FILE, [[*pair, count] for pair, count in matches.items()])
+        turned = same_spot({name: shot.spot_points for name, shot in shots.items()}, cameras)
+        write_json(folder / SPOTS_FILE, [[*pair, quarters] for pair, quarters in turned.items()])
         write_segments(folder / SEGMENTS, {name: shot.segments for name, shot in shots.items()})
         write_json(folder / "warnings.json", warnings)
     return warnings
@@ -111,11 +115,12 @@ class _Shot:
     segments: PhotoSegments
     exif: ExifFocal
     kinds: list[float]  #: how probable each of `palette.KINDS` is; none where nothing tells it
-    points: Points | None  #: none where the photo's room is known
+    points: Points | None  #: that tell its room; none where that is known
+    spot_points: Points  #: that tell with which other photos it shares its spot
 
 
-def _cameras(shots: Mapping[str, _Shot], folder: Path, fov_deg: float) -> dict[str, object]:
-    """Return the photos' cameras as JSON: of those that do not tell it, by the others' lens."""
+def _cameras(shots: Mapping[str, _Shot], folder: Path, fov_deg: float) -> dict[str, Camera]:
+    """Return the photos' cameras: of those that do not tell it, by the others' lens."""
 
     def refit(name: str, told: ExifFocal) -> Camera:
         shot = shots[name]
@@ -128,8 +133,7 @@ def _cameras(shots: Mapping[str, _Shot], folder: Path, fov_deg: float) -> dict[s
 
     cameras = {name: shot.camera for name, shot in shots.items()}
     models = {name: shot.exif.model for name, shot in shots.items()}
-    shared = with_shared_lenses(cameras, models, refit)
-    return {name: camera.to_json() for name, camera in shared.items()}
+    return with_shared_lenses(cameras, models, refit)
 
 
 def _label_photo(
@@ -168,7 +172,8 @@ def _label_photo(
     if kinds and not any(kinds) and np.isin(plain, (FLOOR, CEILING)).mean() > _OF_A_ROOM:
         kinds = []  # a conservatory, not a garden
     points = find_points(image) if find_rooms else None
-    return _Shot(camera, segments, exif, [round(p, 4) for p in kinds], points), lines
+    spot = find_points(image, SPOTS)
+    return _Shot(camera, segments, exif, [round(p, 4) for p in kinds], points, spot), lines
 
 
 def _focal_warnings(camera: Camera, exif: ExifFocal) -> list[str]:

@@ -1,4 +1,4 @@
-"""Photos that show the same things: points of one that are found again in another."""
+"""Photos that show the same things, or were taken from one spot: points found in both."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+
+from plan2scene.camera import Camera
 
 
 @dataclass(frozen=True)
@@ -26,7 +28,21 @@ class MatchSettings:
     least: int = 8  #: fewer matches than this are not looked at, fewer that agree count as none
 
 
-MATCHES = MatchSettings()
+@dataclass(frozen=True)
+class SpotSettings:
+    """Constants of what finds photos of one spot. Source: set by hand on a real flat (development).
+
+    There 75 % and more of the matches of photos from one spot are seen in one direction, 20 % and
+    less of others.
+    """
+
+    side_px: int = 400  #: longer side that photos are reduced to, pixels
+    points: int = 400  #: most points of a photo
+    agrees_deg: float = 3.0  #: a point is seen in one direction within this, degrees
+    share: float = 0.5  #: least share of the matches that are
+
+
+MATCHES, SPOTS = MatchSettings(), SpotSettings()
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,21 +51,22 @@ class Points:
 
     places: np.ndarray  #: (n, 2) float32, pixels of the reduced photo
     looks: np.ndarray  #: (n, 128) float32 of length 1
+    zoom: float = 1.0  #: side of the reduced photo by that of the photo
 
 
-def find_points(image: np.ndarray) -> Points:
+def find_points(image: np.ndarray, settings: MatchSettings | SpotSettings = MATCHES) -> Points:
     """Return the points of a (h, w, 3) uint8 sRGB photo, the clearest first."""
-    zoom = min(1.0, MATCHES.side_px / max(image.shape[:2]))
+    zoom = min(1.0, settings.side_px / max(image.shape[:2]))
     small = cv2.resize(image, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA)
     grey = cv2.createCLAHE(2.0, (8, 8)).apply(cv2.cvtColor(small, cv2.COLOR_RGB2GRAY))
-    finder = cv2.SIFT.create(MATCHES.points, contrastThreshold=MATCHES.contrast)
+    finder = cv2.SIFT.create(settings.points, contrastThreshold=MATCHES.contrast)
     found, looks = finder.detectAndCompute(grey, None)
     if not found:
         return Points(np.zeros((0, 2), np.float32), np.zeros((0, 128), np.float32))
-    order = np.argsort([-point.response for point in found], kind="stable")[: MATCHES.points]
+    order = np.argsort([-point.response for point in found], kind="stable")[: settings.points]
     roots = np.sqrt(looks / np.maximum(looks.sum(axis=1, keepdims=True), 1e-9))
     places = np.array([point.pt for point in found], np.float32)
-    return Points(places[order], roots[order].astype(np.float32))
+    return Points(places[order], roots[order].astype(np.float32), zoom)
 
 
 def match_photos(photos: Mapping[str, Points]) -> dict[tuple[str, str], int]:
@@ -70,8 +87,57 @@ def match_photos(photos: Mapping[str, Points]) -> dict[tuple[str, str], int]:
 
 def shared_points(one: Points, other: Points) -> int:
     """Return how many points of two photos match and agree with one motion of the camera."""
-    if min(len(one.looks), len(other.looks)) < MATCHES.least:
+    here, there = _matches(one, other)
+    if len(here) < MATCHES.least:
         return 0
+    try:
+        how = (cv2.USAC_MAGSAC, MATCHES.agrees_px, 0.999, 1000)
+        _, inliers = cv2.findFundamentalMat(one.places[here], other.places[there], *how)
+    except cv2.error:  # no motion fits any of the samples
+        return 0
+    count = 0 if inliers is None else int(inliers.sum())
+    return count if count >= MATCHES.least else 0
+
+
+def same_spot(
+    photos: Mapping[str, Points], cameras: Mapping[str, Camera]
+) -> dict[tuple[str, str], int]:
+    """Return the pairs of photos from one spot, the lesser name first, and how they are turned.
+
+    That is in quarter turns, 0 to 3: by how much the azimuth of a thing in the first photo's
+    Manhattan frame is larger than in the second's. `cameras` without a frame are left out.
+    """
+    rays = {
+        name: cameras[name].rays((points.places + 0.5) / points.zoom - 0.5)
+        for name, points in photos.items()
+        if len(points.places) and not cameras[name].fallback
+    }
+    found = {}
+    for one, other in itertools.combinations(sorted(rays), 2):
+        here, there = _matches(photos[one], photos[other])
+        if len(here) < MATCHES.least:
+            continue
+        ahead, seen = rays[one][here], rays[other][there]
+        agree = [
+            (np.sum(ahead * turned, axis=1) > np.cos(np.radians(SPOTS.agrees_deg))).sum()
+            for turned in _quarter_turns(seen)
+        ]
+        quarters = int(np.argmax(agree))
+        if agree[quarters] >= max(MATCHES.least, SPOTS.share * len(here)):
+            found[one, other] = quarters
+    return found
+
+
+def _quarter_turns(rays: np.ndarray) -> list[np.ndarray]:
+    """Return rays (n, 3) with azimuths ``atan2(x, z)`` larger by 0 to 3 quarter turns."""
+    x, y, z = rays.T
+    return [np.stack(turned, axis=1) for turned in ((x, y, z), (z, y, -x), (-x, y, -z), (-z, y, x))]
+
+
+def _matches(one: Points, other: Points) -> tuple[np.ndarray, np.ndarray]:
+    """Return the indices (n,) of the points of two photos that match each other."""
+    if min(len(one.looks), len(other.looks)) < MATCHES.least:
+        return np.zeros(0, int), np.zeros(0, int)
     alike = one.looks @ other.looks.T
     best = alike.argmax(axis=1)
     rows = np.arange(len(best))
@@ -81,13 +147,4 @@ def shared_points(one: Points, other: Points) -> int:
     away, second = (np.sqrt(np.maximum(2 - 2 * a, 0)) for a in (first, alike.max(axis=1)))
     moved = np.linalg.norm(one.places - other.places[best], axis=1) > MATCHES.apart_px
     kept = np.flatnonzero(mutual & moved & (away < MATCHES.ratio * second))
-    if len(kept) < MATCHES.least:
-        return 0
-    here, there = one.places[kept], other.places[best[kept]]
-    try:
-        how = (cv2.USAC_MAGSAC, MATCHES.agrees_px, 0.999, 1000)
-        _, inliers = cv2.findFundamentalMat(here, there, *how)
-    except cv2.error:  # no motion fits any of the samples
-        return 0
-    count = 0 if inliers is None else int(inliers.sum())
-    return count if count >= MATCHES.least else 0
+    return kept, best[kept]

@@ -1,7 +1,7 @@
 """The places stage: masks and plan of a house -> cameras.json and photo_rooms.json.
 
-A photo whose room is not told is searched roughly in every room. In its room each photo is searched
-alone, then again under the height that the photos share.
+A photo whose room is not told is searched roughly in every room. In their room photos of one spot
+are searched together, then again under the height that the spots share.
 """
 
 from __future__ import annotations
@@ -24,14 +24,16 @@ from plan2scene.photos.labels.palette import (
     KINDS_FILE,
     MATCHES_FILE,
     PROBABILITIES,
+    SPOTS_FILE,
     read_label_png,
     read_probability_png,
 )
-from plan2scene.photos.locate.likelihood import OPENING, log_table, make_profile
+from plan2scene.photos.locate.likelihood import OPENING, Profile, log_table, make_profile
 from plan2scene.photos.locate.locate_settings import LOCATE, Grid
 from plan2scene.photos.locate.plan_view import room_shapes
 from plan2scene.photos.locate.pose import Pose, pose_to_json, turned
-from plan2scene.photos.locate.search import HeightPrior, Hypothesis, RoomSearch
+from plan2scene.photos.locate.search import HeightPrior, Hypothesis, RoomSearch, View
+from plan2scene.photos.locate.spots import SameSpot, Spot, spots_of
 from plan2scene.photos.locate.which_room import (
     NOWHERE,
     WHICH,
@@ -100,29 +102,27 @@ def locate_shots(
     house: House,
     shots: Mapping[str, Shot],
     matches: Mapping[tuple[str, str], int] | None = None,
+    same_spot: SameSpot | None = None,
     threads: int = 1,
 ) -> Located:
     """Return the rooms of photos and their poses in them.
 
-    `matches` as of :func:`.which_room.room_probabilities`. `threads` photos are searched at a time;
-    the result does not depend on it.
+    `matches` as of :func:`.which_room.room_probabilities`; `same_spot` of photos that are located
+    together. `threads` spots are searched at a time; the result does not depend on it.
     """
     shapes = room_shapes(house)
     openings = labelled_openings(shots.values())
     table = log_table(openings)
 
-    def searches(shot: Shot, room_ids: Sequence[str], grid: Grid) -> list[RoomSearch]:
-        coarse, fine = (
-            make_profile(shot.labels, shot.camera, table, blur, shot.probabilities)
-            for blur in (LOCATE.coarse_blur, LOCATE.fine_blur)
-        )
+    def searches(spot: Spot, grid: Grid) -> list[RoomSearch]:
+        views = [_view(shots[name], table, quarters) for name, quarters in spot.quarters.items()]
         return [
-            RoomSearch(shapes, room_id, room_polygon(house.room(room_id)), coarse, fine, grid)
-            for room_id in room_ids
+            RoomSearch(shapes, room_id, room_polygon(house.room(room_id)), views, grid)
+            for room_id in spot.rooms
         ]
 
     def rough(name: str) -> dict[str, float]:
-        found = searches(shots[name], shots[name].rooms, LOCATE.rough)
+        found = searches(Spot({name: 0}, shots[name].rooms), LOCATE.rough)
         return {search.room_id: search.best_score(HeightPrior()) for search in found}
 
     framed = [name for name, shot in shots.items() if shot.rooms and not shot.camera.fallback]
@@ -133,18 +133,17 @@ def locate_shots(
     told = {room for name in framed if name not in likely for room in shots[name].rooms}
     used = used_photos(likely, told)
     stands = {
-        name: shots[name].rooms
-        if name not in likely
-        else [likely[name].room_id if name in used else NOWHERE]
+        name: shots[name].rooms if name not in likely else (likely[name].room_id,)
         for name in framed
+        if name not in likely or name in used
     }
-    names = [name for name in framed if stands[name] != [NOWHERE]]
 
-    def search(name: str) -> tuple[list[RoomSearch], list[Hypothesis]]:
-        found = searches(shots[name], stands[name], LOCATE.grid)
+    def search(spot: Spot) -> tuple[list[RoomSearch], list[Hypothesis]]:
+        found = searches(spot, LOCATE.grid)
         return found, _best(found, HeightPrior())
 
-    searched = list(each(search, names, threads))
+    spots = spots_of(stands, same_spot or {})
+    searched = list(each(search, spots, threads))
     hypotheses = [poses for _, poses in searched]
     prior = shared_height(hypotheses)
     if prior is not None:
@@ -152,10 +151,11 @@ def locate_shots(
             each(lambda found: _best(found, prior), (s for s, _ in searched), threads)
         )
     poses = {}
-    for name, every in zip(names, hypotheses, strict=True):
-        pose = _pose(shots[name], every, openings)
-        sure = rooms[name][pose.room_id] if name in rooms else 1.0
-        poses[name] = replace(pose, located=sure * pose.located)
+    for spot, every in zip(spots, hypotheses, strict=True):
+        for name, quarters in spot.quarters.items():
+            pose = _pose(shots[name], every, quarters, openings)
+            sure = rooms[name][pose.room_id] if name in rooms else 1.0
+            poses[name] = replace(pose, located=sure * pose.located)
     return Located(poses, rooms)
 
 
@@ -188,7 +188,7 @@ def labelled_openings(shots: Iterable[Shot]) -> str:
 
 
 def shared_height(hypotheses: Sequence[Sequence[Hypothesis]]) -> HeightPrior | None:
-    """Return the heights of all photos by those of clearly located ones (best pose first)."""
+    """Return the heights of all spots by those of clearly located ones (best pose first)."""
     clear = [
         poses[0].position[1] for poses in hypotheses if margins(poses)[0] >= LOCATE.clear_margin
     ]
@@ -222,12 +222,22 @@ def _best(searches: Sequence[RoomSearch], prior: HeightPrior) -> list[Hypothesis
     return sorted(hypotheses, key=lambda pose: -pose.score)
 
 
-def _pose(shot: Shot, poses: Sequence[Hypothesis], openings: str) -> Pose:
-    """Return the best of the poses and its probability."""
+def _view(shot: Shot, table: np.ndarray, quarters: int) -> View:
+    """Return a photo's labels by direction."""
+
+    def profile(blur: float) -> Profile:
+        return make_profile(shot.labels, shot.camera, table, blur, shot.probabilities)
+
+    return View(profile(LOCATE.coarse_blur), profile(LOCATE.fine_blur), quarters)
+
+
+def _pose(shot: Shot, poses: Sequence[Hypothesis], quarters: int, openings: str) -> Pose:
+    """Return a photo's pose by the best of its spot's, and its probability."""
     best, (heading, elsewhere) = poses[0], margins(poses)
     rooms = len({pose.room_id for pose in poses})
     located = probability(Evidence(heading, elsewhere, openings, rooms))
-    return Pose(best.room_id, best.position, turned(shot.camera, best.turn), located)
+    camera = turned(shot.camera, best.turn + quarters * np.pi / 2)
+    return Pose(best.room_id, best.position, camera, located)
 
 
 def locate_photos(
@@ -270,7 +280,8 @@ def locate_photos(
     matches = {
         (a, b): int(count) for a, b, count in read_stage_json(folder / MATCHES_FILE, "matches")
     }
-    located = locate_shots(house, shots, matches, threads)
+    spots = {(a, b): int(turns) for a, b, turns in read_stage_json(folder / SPOTS_FILE, "spots")}
+    located = locate_shots(house, shots, matches, spots, threads)
     entries = {
         name: pose_to_json(cameras[name], located.poses.get(name))
         | (

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,7 +22,7 @@ class Hypothesis:
     """The best pose near a peak of one heading in one room."""
 
     room_id: str
-    #: Plan azimuth minus azimuth in the photo's Manhattan frame, radians.
+    #: Plan azimuth minus azimuth in the Manhattan frame of the spot's first photo, radians.
     turn: float
     #: x, y, z of the camera, metres.
     position: tuple[float, float, float]
@@ -42,20 +42,29 @@ class HeightPrior:
         return np.asarray(-0.5 * LOCATE.prior_weight * ((heights - self.mean) / self.spread) ** 2)
 
 
+@dataclass(frozen=True)
+class View:
+    """One photo of a spot: its mask by direction, blurred more and less."""
+
+    coarse: Profile
+    fine: Profile
+    #: Its heading minus that of the spot's first photo, of their Manhattan frames, quarter turns.
+    quarters: int = 0
+
+
 class RoomSearch:
-    """How well each pose on a coarse grid of a room agrees with a mask; refined on demand."""
+    """How well each pose on a coarse grid of a room agrees with masks; refined on demand."""
 
     def __init__(
         self,
         shapes: Mapping[str, RoomShape],
         room_id: str,
         polygon: Polygon,
-        coarse: Profile,
-        fine: Profile,
+        views: Sequence[View],
         grid: Grid = LOCATE.grid,
     ) -> None:
-        """Score the grid; `coarse` and `fine` are profiles of one mask, differently blurred."""
-        self._shapes, self.room_id, self._fine = shapes, room_id, fine
+        """Score the grid by the photos that were taken from one spot."""
+        self._shapes, self.room_id, self._views = shapes, room_id, views
         self._polygon = polygon
         shape = shapes[room_id]
         self._grid = grid_of(polygon, grid)
@@ -63,6 +72,7 @@ class RoomSearch:
         self._heights = np.array(heights or [0.6 * shape.height])
         first = dominant_direction(shape)
         self._turns = [first + quarter * np.pi / 2 for quarter in range(4)]
+        coarse = [view.coarse for view in views]
         self._rough = [
             self._scores(coarse, turn, self._grid, self._heights) for turn in self._turns
         ]
@@ -86,7 +96,8 @@ class RoomSearch:
         """Return the pose that a pattern search from a point of the grid reaches."""
 
         def score(eyes: np.ndarray, heights: np.ndarray) -> np.ndarray:
-            return self._scores(self._fine, turn, eyes, heights) + prior.log(heights)
+            fine = [view.fine for view in self._views]
+            return self._scores(fine, turn, eyes, heights) + prior.log(heights)
 
         start = np.array([self._grid[point, 0], self._heights[level], self._grid[point, 1]])
         ceiling = self._shapes[self.room_id].height
@@ -94,17 +105,21 @@ class RoomSearch:
         return Hypothesis(self.room_id, turn, position, value)
 
     def _scores(
-        self, profile: Profile, turn: float, eyes: np.ndarray, heights: np.ndarray
+        self, profiles: Sequence[Profile], turn: float, eyes: np.ndarray, heights: np.ndarray
     ) -> np.ndarray:
-        """Return the agreement (p, c) of eyes (p, 2) at heights (c,) with a profile."""
-        columns = len(profile.azimuth)
-        sight = look(
-            self._shapes,
-            self.room_id,
-            np.repeat(eyes, columns, axis=0),
-            np.tile(profile.azimuth + turn, len(eyes)),
-        )
-        return agreement(profile, self._shapes[self.room_id], sight, heights)
+        """Return the agreement (p, c) of eyes (p, 2) at heights (c,) with the views' profiles.
+
+        It is their sum over the root of their number: how far it is off by chance does not depend
+        on how many they are.
+        """
+        total = np.zeros((len(eyes), len(heights)))
+        for view, profile in zip(self._views, profiles, strict=True):
+            columns = len(profile.azimuth)
+            azimuth = profile.azimuth + turn + view.quarters * np.pi / 2
+            at, ways = np.repeat(eyes, columns, axis=0), np.tile(azimuth, len(eyes))
+            sight = look(self._shapes, self.room_id, at, ways)
+            total += agreement(profile, self._shapes[self.room_id], sight, heights)
+        return total / np.sqrt(len(profiles))
 
 
 def grid_of(polygon: Polygon, grid: Grid = LOCATE.grid) -> np.ndarray:

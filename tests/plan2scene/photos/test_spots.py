@@ -1,0 +1,90 @@
+"""Photos of one spot are told by what they both show, and are located together."""
+
+import numpy as np
+import pytest
+from box_room import SIZE, box_house, rendered
+from views import camera_looking
+
+from plan2scene.photos.camera.calibration import canonical
+from plan2scene.photos.locate.locate_photos import Shot, locate_shots
+from plan2scene.photos.locate.spots import spots_of
+from plan2scene.photos.matches import Points, same_spot
+
+#: Headings of photos, degrees, and how their frames turn into each other.
+HEADINGS = {"a": 10.0, "b": 62.0, "c": 118.0}
+FOCAL = 150.0
+
+
+def photographed(eye, heading_deg, points, looks):
+    """The points (n, 3) that a photo shows, and its camera, which knows its frame only."""
+    true = camera_looking(SIZE, heading_deg=heading_deg, pitch_deg=4.0, focal=FOCAL)
+    rays = (points - eye) @ true.matrix.T
+    pixels = rays[:, :2] / rays[:, 2:] * true.focal_px + (true.cx, true.cy)
+    shown = (rays[:, 2] > 0) & ((pixels >= 0) & (pixels < SIZE[::-1])).all(axis=1)
+    known = true.with_rotation(canonical(true.matrix))
+    return Points(pixels[shown].astype(np.float32), looks[shown]), known
+
+
+def turn_of(heading_deg):
+    """The quarter turns from the Manhattan frame of a photo to the plan."""
+    true = camera_looking(SIZE, heading_deg=heading_deg, pitch_deg=4.0, focal=FOCAL)
+    ahead, own = true.matrix[2], canonical(true.matrix)[2]
+    off = np.arctan2(ahead[0], ahead[2]) - np.arctan2(own[0], own[2])
+    return round(off / (np.pi / 2))
+
+
+@pytest.mark.parametrize("moved", [0.0, 1.5])
+def test_photos_of_one_spot_are_tied_by_quarter_turns_others_are_not(moved):
+    rng = np.random.default_rng(0)
+    points = rng.uniform((-4, -1.3, -4), (4, 1.3, 4), (1500, 3))
+    looks = rng.normal(size=(1500, 128)).astype(np.float32)
+    looks /= np.linalg.norm(looks, axis=1, keepdims=True)
+    shots = {
+        name: photographed(np.array([moved * k, 0.0, 0.0]), heading, points, looks)
+        for k, (name, heading) in enumerate(HEADINGS.items())
+    }
+    found = same_spot(*({name: shot[part] for name, shot in shots.items()} for part in (0, 1)))
+    turns = {name: turn_of(heading) for name, heading in HEADINGS.items()}
+    pairs = [("a", "b"), ("b", "c")] if moved == 0.0 else []
+    assert found == {pair: (turns[pair[1]] - turns[pair[0]]) % 4 for pair in pairs}
+    assert len(set(turns.values())) > 1
+
+
+def test_a_watermark_ties_no_photos():
+    rng = np.random.default_rng(1)
+    looks = np.eye(128, dtype=np.float32)[:40]
+    mark = Points(rng.uniform(20, 160, (40, 2)).astype(np.float32), looks)
+    camera = photographed(np.zeros(3), 0.0, np.zeros((0, 3)), looks[:0])[1]
+    assert same_spot({"a": mark, "b": mark}, {"a": camera, "b": camera}) == {}
+
+
+def test_spots_follow_ties_while_a_room_is_common():
+    rooms = {"a": ("hall", "bath"), "b": ("hall",), "c": ("hall", "bed"), "d": ("bed",)}
+    ties = {("a", "b"): 3, ("b", "c"): 2, ("c", "d"): 1, ("a", "gone"): 0}
+    first, last = spots_of(rooms, ties)
+    assert first.quarters == {"a": 0, "b": 3, "c": 1}
+    assert first.rooms == ("hall",)
+    assert (last.quarters, last.rooms) == ({"d": 0}, ("bed",))
+
+
+def test_a_photo_that_tells_nothing_is_located_by_another_of_its_spot():
+    house, eye = box_house(), np.array([0.6, 1.5, 2.9])
+    cameras = {
+        name: camera_looking(SIZE, heading_deg=heading, pitch_deg=4.0, focal=FOCAL)
+        for name, heading in (("clear.jpg", 230.0), ("blank.jpg", 15.0))
+    }
+    shots = {
+        name: Shot(
+            true.with_rotation(canonical(true.matrix)), rendered(house, true, eye), ("room",)
+        )
+        for name, true in cameras.items()
+    }
+    blank = shots["blank.jpg"]
+    quarters = {("blank.jpg", "clear.jpg"): (turn_of(230.0) - turn_of(15.0)) % 4}
+    alone = locate_shots(house, {"blank.jpg": blank}).poses["blank.jpg"]
+    together = locate_shots(house, shots, same_spot=quarters).poses
+    assert not alone.believed
+    assert together["blank.jpg"].believed
+    for name, true in cameras.items():
+        np.testing.assert_allclose(together[name].camera.matrix, true.matrix, atol=1e-6)
+        np.testing.assert_allclose(together[name].eye, eye, atol=0.1)
