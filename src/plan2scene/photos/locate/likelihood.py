@@ -27,13 +27,6 @@ ROOM = {"floor": 0, "wall": 1, "ceiling": 2}
 BEHIND = ("floor", "wall", "ceiling", "unknown")
 HOLES = ("door", "window", "passage")
 N_CLASSES = 3 + len(HOLES) * len(BEHIND)
-#: Openings that masks may label. Of a network's probabilities only windows count, since it takes
-#: most doors for things.
-LABELLED_OPENINGS = {
-    "nothing": frozenset[int](),
-    "windows": frozenset({WINDOW}),
-    "all": frozenset({DOOR, WINDOW}),
-}
 
 
 def hole_class(kind: str, behind: str) -> int:
@@ -41,10 +34,10 @@ def hole_class(kind: str, behind: str) -> int:
     return 3 + HOLES.index(kind) * len(BEHIND) + BEHIND.index(behind)
 
 
-def log_table(openings: str) -> np.ndarray:
+def log_table(*, openings: bool) -> np.ndarray:
     """Return (N_CLASSES, N_LABELS) float64 log probabilities of a label given a class.
 
-    `openings`, of `LABELLED_OPENINGS`, says which openings the masks label; others count as other.
+    Where masks label no `openings`, these count as other.
     """
     table = np.zeros((N_CLASSES, N_LABELS))
     table[:3, :OPENING] = LOCATE.room_rows
@@ -53,8 +46,9 @@ def log_table(openings: str) -> np.ndarray:
         for behind in BEHIND:
             seen = shut if behind == "unknown" else table[ROOM[behind], :OPENING]
             table[hole_class(kind, behind), :OPENING] = (1 - share) * shut + share * seen
-    hidden = [OTHER, *({DOOR, WINDOW} - LABELLED_OPENINGS[openings])]
-    table[:, hidden] = table[:, hidden].sum(axis=1, keepdims=True)
+    if not openings:
+        hidden = [OTHER, DOOR, WINDOW]
+        table[:, hidden] = table[:, hidden].sum(axis=1, keepdims=True)
     table[:, OPENING] = table[:, DOOR] + table[:, WINDOW]
     return np.asarray(np.log(np.maximum(table, 1e-4)))
 

@@ -56,7 +56,7 @@ class Evidence:
     #: Lead in score over the best pose of another heading or room, and at another position.
     heading: float
     elsewhere: float
-    #: Which openings the masks label, of `likelihood.LABELLED_OPENINGS`.
+    #: What tells openings, of `LocateSettings.less_sure`.
     openings: str
     #: How many rooms it may have been taken in.
     rooms: int = 1
@@ -68,9 +68,7 @@ def probability(evidence: Evidence) -> float:
     logit = LOCATE.weights[0] + float(
         np.log10(leads + LOCATE.lead_floor) @ np.array(LOCATE.weights[1:])
     )
-    logit -= LOCATE.fewer_openings[evidence.openings] + LOCATE.more_rooms * float(
-        np.log(evidence.rooms)
-    )
+    logit -= LOCATE.less_sure[evidence.openings] + LOCATE.more_rooms * float(np.log(evidence.rooms))
     return float(1.0 / (1.0 + np.exp(-logit)))
 
 
@@ -112,7 +110,7 @@ def locate_shots(
     """
     shapes = room_shapes(house)
     openings = labelled_openings(shots.values())
-    table = log_table(openings)
+    table = log_table(openings=openings != "nothing")
 
     def searches(spot: Spot, grid: Grid) -> list[RoomSearch]:
         views = [_view(shots[name], table, quarters) for name, quarters in spot.quarters.items()]
@@ -179,12 +177,12 @@ def _rooms(
 
 
 def labelled_openings(shots: Iterable[Shot]) -> str:
-    """Return which openings the masks of a house label, of `likelihood.LABELLED_OPENINGS`."""
+    """Return what tells openings in the masks of a house, of `LocateSettings.less_sure`."""
     every = list(shots)
     if any(shot.probabilities is not None for shot in every):
-        return "windows"
+        return "probabilities"
     drawn = (((shot.labels >= DOOR) & (shot.labels <= OPENING)).any() for shot in every)
-    return "all" if any(drawn) else "nothing"
+    return "labels" if any(drawn) else "nothing"
 
 
 def shared_height(hypotheses: Sequence[Sequence[Hypothesis]]) -> HeightPrior | None:

@@ -108,9 +108,10 @@ class LocateSettings:
     #: Weights of a constant and of both leads. Source: a fit on 329 synthetic photos with true and
     #: predicted masks (right: the heading, within 1 m), calibrated on two real flats (development).
     weights: tuple[float, float, float] = (5.0, 2.4, 0.5)
-    #: Subtracted from the logit where masks label fewer openings, by which alike rooms differ.
-    fewer_openings: dict[str, float] = field(
-        default_factory=lambda: {"all": 0.0, "windows": 1.0, "nothing": 1.2}
+    #: Subtracted from the logit by what tells openings, by which alike rooms differ: labels, a
+    #: network's probabilities (it misses half of the doors), nothing.
+    less_sure: dict[str, float] = field(
+        default_factory=lambda: {"labels": 0.0, "probabilities": 1.0, "nothing": 1.2}
     )
     #: Subtracted from the logit for each e-fold of the number of possible rooms.
     more_rooms: float = 0.2
