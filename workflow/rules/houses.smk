@@ -48,6 +48,7 @@ rule paint:
     # these colours. Finishes that the owner set by hand go before them.
     input:
         unpack(finish_files),
+        scene=f"{RESULTS}/houses/{{house}}/scene.json",
         textures=CHOSEN_TEXTURES,
         colours=f"{RESULTS}/houses/{{house}}/colours.parquet",
         materials=f"{RESULTS}/drop_0.0/{{house}}/materials.parquet",

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from plan2scene.paint.surfaces import write_paint
+from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.textures.painted import paint_textures
 from plan2scene.workflow.jobs import job
 from plan2scene_app.finishes import read_finishes
@@ -18,6 +19,7 @@ def set_finishes(folder: Path) -> None:
 
 
 with job(snakemake.log[0]):
+    plan = read_scene_json(inputs.scene, snakemake.wildcards.house)
     finishes = read_finishes(inputs.finishes) if inputs.get("finishes") else {}
     write_paint(
         inputs.colours,
@@ -31,5 +33,6 @@ with job(snakemake.log[0]):
         inputs.textures,
         output.paint,
         output.textures,
+        open_air={room.id for room in plan.rooms if room.open_air},
         last_word=set_finishes if finishes else None,
     )

@@ -42,6 +42,9 @@ _KNEE = 0.88
 FAINT = 0.028
 PATTERNED = ("tile", "wood")  #: Substances whose patterns are no stains
 _BLACK = 1e-3  #: Least linear value of a texture's median
+#: What balconies, terraces and yards have where no photo shows them, since carpets and wallpapers
+#: stay indoors: linear values and substances of grey stone and of render.
+OPEN_AIR = {"floor": (0.30, "tile"), "wall": (0.65, "plaster")}
 
 
 def paint_textures(
@@ -49,6 +52,7 @@ def paint_textures(
     paint: str | Path,
     out_dir: str | Path,
     *,
+    open_air: Collection[str] = (),
     last_word: Callable[[Path], None] | None = None,
 ) -> None:
     """Write a textures folder whose tiles and maps have the colours of ``paint.parquet``.
@@ -56,8 +60,9 @@ def paint_textures(
     The folder has the files of the first one, without maps of plain white surfaces, whose tile has
     all that there is, and ``doors.json``: sRGB levels of door leaves by the id of their opening;
     ``trim.json`` of frames and skirting where these are of wood. An accent wall has its room's
-    pattern in its own paint. An unseen white wall has no pattern of another room. `last_word` may
-    change the folder before it takes its place.
+    pattern in its own paint. An unseen white wall has no pattern of another room, unseen surfaces
+    of rooms in the `open_air` (their ids) are of stone and render. `last_word` may change the
+    folder before it takes its place.
     """
     root = Path(textures)
     listed = texture_index(root)
@@ -90,6 +95,14 @@ def paint_textures(
     plains = _plain_tiles(
         tiles, gains, entries, (white_surfaces | whites) - banded, whites - banded
     )
+    photos, rooms = read_seen_photos(paint), {key.room_id for key in entries}
+    outside = {
+        key
+        for key in unseen
+        if key.room_id in open_air and key.kind in OPEN_AIR and key not in photos
+    }
+    plains |= _open_air_tiles({key: tiles[key] for key in outside}, entries)
+    entries |= {key: entries[key] | {"source": "as the open air asks"} for key in outside}
     with atomic_directory(out_dir) as folder:
         for key, tile in tiles.items():
             bare = plains[key].image if key in plains else relight(tile, gains[key], knee=_KNEE)
@@ -106,7 +119,6 @@ def paint_textures(
             for key, made in plains.items()
         }
         index = read_stage_json(root / "textures.json", "textures")
-        photos, rooms = read_seen_photos(paint), {key.room_id for key in entries}
         sized = {}
         for key, entry in entries.items():
             evidence = evidence_of(
@@ -114,7 +126,7 @@ def paint_textures(
                 entry,
                 photos.get(key, ()),
                 rooms,
-                white=key in whites,
+                white=key in whites - outside,
                 coloured=key in paints and key not in white_surfaces,
             )
             name = "/".join(key)
@@ -161,3 +173,16 @@ def _plain_tiles(
     handed_on = {k: plainest.get(k.surface, t) for k, t in made.items() if k in unseen}
     faint = {key: tile for key, tile in made.items() if tile.pattern < FAINT}
     return {key: tile for key, tile in handed_on.items() if key not in faint} | faint
+
+
+def _open_air_tiles(
+    tiles: Mapping[SurfaceKey, np.ndarray], entries: Mapping[SurfaceKey, Mapping[str, Any]]
+) -> dict[SurfaceKey, _Tile]:
+    """Return tiles of the grain of others, in the colours of `OPEN_AIR`."""
+    made = {}
+    for key, tile in tiles.items():
+        value, substance = OPEN_AIR[key.kind]
+        size_m = float(entries[key]["size_m"])
+        image, pattern = plain(tile, np.full(3, value), len(tile) / size_m)
+        made[key] = _Tile(image, size_m, substance, pattern)
+    return made

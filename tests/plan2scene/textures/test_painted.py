@@ -17,7 +17,7 @@ from plan2scene.paint.surfaces import (
     write_paint,
 )
 from plan2scene.textures.evidence import COLOURED, evidence_of
-from plan2scene.textures.painted import paint_textures
+from plan2scene.textures.painted import OPEN_AIR, paint_textures
 from plan2scene.textures.plain import plain
 
 
@@ -214,3 +214,28 @@ def test_smears_of_white_paint_go_and_its_relief_stays():
         assert pattern == pytest.approx(0.03 / 2**0.5, rel=0.2)
         left = np.log(srgb_to_linear(image)[..., 0]).std()
         assert left > 0.018 if kept else left < 0.01
+
+
+def test_an_unseen_balcony_has_no_carpet_and_no_wallpaper(paint, tmp_path):
+    lilac = np.full((64, 64, 3), (190, 170, 200), np.uint8)
+    names = ("a/floor", "balcony/floor", "balcony/wall", "balcony/ceiling")
+    unseen = {"observed": False, "source": "exemplar of a, like a"}
+    entry = dict.fromkeys(names[1:], unseen)
+    folder = textures_of(tmp_path / "t", dict.fromkeys(names, lilac), **entry)
+    for open_air in ((), ("a", "balcony")):
+        out = tmp_path / f"out{len(open_air)}"
+        paint_textures(folder, paint, out, open_air=open_air)
+        floor, wall, seen = (
+            median_colour(read_image(out / f"{name.replace('/', '_')}.png"))
+            for name in ("balcony/floor", "balcony/wall", "a/floor")
+        )
+        surfaces = read_json(out / "textures.json")["surfaces"]
+        stone = surfaces["balcony/floor"]
+        if not open_air:
+            assert np.ptp(floor) > 0.05 and stone["evidence"]["like"] == "a"
+            continue
+        assert np.ptp(floor) < 0.02 and np.ptp(wall) < 0.02
+        assert srgb_to_linear(floor) == pytest.approx(OPEN_AIR["floor"][0], abs=0.02)
+        assert stone["substance"] == "tile" and stone["evidence"]["like"] is None
+        assert "balcony/floor" not in read_json(out / "maps.json")["surfaces"]
+        assert np.ptp(seen) > 0.05
