@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 from box_room import box_house
-from browser import chromium
+from browser import chromium, serious_violations
 
+from plan2scene.datasets.assignments import read_rows
 from plan2scene.images import write_png
 from plan2scene.io import write_json
 from plan2scene_app.doubts.page import DoubtFiles, PlacedPhoto, doubt_lines, write_doubts
@@ -32,19 +33,42 @@ def test_each_photo_is_shown_in_its_room_and_each_doubt_told(tmp_path):
         "plan: rooms room, store: no door",
         "photo e.txt left out: found text",
         "no room is found for <d>.png",
-        "a.png is in room with a probability of 61%",
-        "c.png is in Attic with a probability of 17% "
-        "(in one of its kind 40% by imagenet and name): nothing is made of it",
+        "a.png: room? 61% sure",
+        "c.png: Attic? 17% sure, 40% that it is a room of this kind, "
+        "by the things in it and its name; not used",
         "no photo shows Attic: made like the other rooms",
     ]
     text = page.read_text()
     assert text.count("data:image/jpeg") == 3
     assert "&lt;d&gt;.png" in text
-    assert "<d>" not in text
+    assert "<d>.png" not in text
     room, store = text.index('id="room-room"'), text.index('id="room-store"')
     assert room < text.index("b.png <small>as told") < store < text.index('class="doubt">17%')
-    assert '<a href="#plan-room">room</a> with a probability' in text
+    assert 'a.png: <a href="#plan-room">room</a>? 61% sure' in text
     assert 'rooms <a href="#plan-room">room</a>, <a href="#plan-store">Attic</a>: no door' in text
+
+
+def test_rooms_chosen_on_the_page_are_saved_as_a_photo_table(tmp_path):
+    table, page = tmp_path / "photos.csv", tmp_path / "doubts.html"
+    table.write_text(
+        "room_id,photo,probability,of_kind,evidence,guess\nroom,a.png,0.61,0.61,,\n"
+        'store,"b, c.png",0.17,0.4,,store\n,d.png,,,,\nroom,e.png,0.3,0.3,,room\nroom,f.png,,,,\n'
+    )
+    write_doubts(page, tmp_path, DoubtFiles(table), house=box_house())
+    with chromium() as browser:
+        shown = browser.new_page()
+        shown.goto(page.as_uri())
+        rooms = shown.locator("select")
+        assert rooms.count() == 4  # the room of f.png was told
+        for name, room in (("a.png", "store"), ("b, c.png", "store"), ("d.png", "-")):
+            shown.get_by_label(f"Room of {name}").select_option(room)
+        with shown.expect_download() as download:
+            shown.click("#save")
+        assert download.value.suggested_filename == "photos.csv"
+        download.value.save_as(tmp_path / "saved.csv")
+        assert serious_violations(shown.evaluate) == []
+    rows = [(row.photo, row.room_id) for row in read_rows(tmp_path / "saved.csv")]
+    assert rows == [("a.png", "store"), ("b, c.png", "store"), ("e.png", ""), ("f.png", "room")]
 
 
 def test_the_traced_picture_is_seen_whole(tmp_path):

@@ -7,7 +7,7 @@ import csv
 import html
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import cv2
@@ -21,7 +21,7 @@ from plan2scene.photos.locate.pose import read_poses
 from plan2scene.photos.locate.which_room import Likely, used_photos
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.stage_json import read_stage_json
-from plan2scene_app.html_page import html_page, source_hash
+from plan2scene_app.html_page import html_page, inline_json, source_hash
 
 _FOLDER = Path(__file__).parent
 #: Longer side in pixels of photos and of the traced picture on the page.
@@ -30,6 +30,8 @@ _PHOTO_SIDE, _PICTURE_SIDE = 300, 1100
 _LETTERS = 0.32
 #: A photo whose room is less probable than this is a doubt.
 SURE = 0.8
+#: What tells the kind of a room, in words.
+_EVIDENCE = {"embedded": "its look", "imagenet": "the things in it", "name": "its name"}
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,7 @@ class PlacedPhoto:
     unused: bool = False  #: a guess that nothing is made of
     of_kind: float = 1.0  #: how probable a room of these types is
     evidence: str = ""  #: what told the kind of room
+    number: int = 0  #: of the row; the header's is 0
 
 
 @dataclass(frozen=True)
@@ -66,22 +69,27 @@ def read_placed(path: str | Path) -> list[PlacedPhoto]:
     }
     used = used_photos(likely, {row["room_id"] for row in rows if row["photo"] not in likely})
     placed = []
-    for row in rows:
+    for number, row in enumerate(rows, start=1):
         name, room, found = row["photo"], row["room_id"], likely.get(row["photo"])
-        if found is None:
-            placed.append(PlacedPhoto(name, room, None))
-        else:
-            unused = name not in used
-            placed.append(
-                PlacedPhoto(name, room, found.probability, unused, found.of_kind, row["evidence"])
+        item = PlacedPhoto(name, room, None, number=number)
+        if found is not None:
+            item = replace(
+                item,
+                probability=found.probability,
+                unused=name not in used,
+                of_kind=found.of_kind,
+                evidence=row["evidence"],
             )
+        placed.append(item)
     return placed
 
 
 def write_doubts(
     output: str | Path, photo_folder: str | Path, files: DoubtFiles, *, house: House
 ) -> list[str]:
-    """Write the page, which needs no network and runs no script; return its lines of doubt.
+    """Write the page, which needs no network; return its lines of doubt.
+
+    Rooms of photos that were not told can be chosen there, and the table saved.
 
     Parameters
     ----------
@@ -107,13 +115,18 @@ def write_doubts(
         _room_section(house, room, placed, folder) for room in house.rooms if room.id in shown
     ]
     bare = [room.id for room in house.rooms if room.id not in shown]
-    style = (_FOLDER / "doubts.css").read_text(encoding="utf-8")
+    style, program = (
+        (_FOLDER / f"doubts.{kind}").read_text(encoding="utf-8") for kind in ("css", "js")
+    )
     picture = "" if files.overlay is None else _picture(files.overlay)
     page = html_page(
         _FOLDER / "doubts.html",
         title=house.title,
         style=style,
-        policy=f"default-src 'none'; style-src {source_hash(style)}; img-src data:",
+        policy=f"default-src 'none'; script-src {source_hash(program)}; "
+        f"style-src {source_hash(style)}; img-src data:",
+        program=program,
+        table=inline_json(list(csv.reader(read_text(files.table).splitlines()))),
         doubts="\n".join(f"<li>{_linked(line, house)}</li>" for line in lines),
         count=f"{len(lines) or 'No'} doubts" if len(lines) != 1 else "1 doubt",
         plans="\n".join(_plan(storey, level.name, eyes) for level, storey in house.storeys()),
@@ -124,7 +137,7 @@ def write_doubts(
             f"{html.escape(house.labels[room])}</a>"
             for room in bare
         ),
-        unplaced=_cards([row for row in placed if not row.room_id], folder),
+        unplaced=_cards([row for row in placed if not row.room_id], folder, house),
     )
     with atomic_path(output) as temporary:
         temporary.write_text(page, encoding="utf-8")
@@ -156,11 +169,12 @@ def doubt_lines(
     for row in placed:
         if row.probability is not None and row.probability < SURE:
             label = labels.get(row.room_id, row.room_id)
-            where = f"{row.name} is in {label} with a probability of {row.probability:.0%}"
-            by = f" by {row.evidence.replace(' ', ' and ')}" if row.evidence else ""
-            if by or row.of_kind > row.probability:
-                where += f" (in one of its kind {row.of_kind:.0%}{by})"
-            yield f"{where}: nothing is made of it" if row.unused else where
+            sure = f"{row.name}: {label}? {row.probability:.0%} sure"
+            if row.of_kind > row.probability:
+                sure += f", {row.of_kind:.0%} that it is a room of this kind"
+            if row.evidence:
+                sure += f", by {' and '.join(_EVIDENCE.get(word, word) for word in row.evidence.split())}"
+            yield f"{sure}; not used" if row.unused else sure
     bare = [labels[room.id] for room in house.rooms if room.id not in used and not room.open_air]
     if used and bare:
         yield f"no photo shows {', '.join(bare)}: made like the other rooms"
@@ -185,18 +199,18 @@ def _room_section(house: House, room: Room, placed: Sequence[PlacedPhoto], folde
     name, label = html.escape(room.id), html.escape(house.labels[room.id])
     title = html.escape(" / ".join(room.types))
     area = room_polygon(room).area
-    cards = _cards([row for row in placed if row.room_id == room.id], folder)
+    cards = _cards([row for row in placed if row.room_id == room.id], folder, house)
     return (
         f'<section id="room-{name}"><h3><a href="#plan-{name}">{label}</a> '
         f"<small>{title}, {area:.1f} m²</small></h3>{cards}</section>"
     )
 
 
-def _cards(rows: Sequence[PlacedPhoto], folder: Path) -> str:
+def _cards(rows: Sequence[PlacedPhoto], folder: Path, house: House) -> str:
     """Return the HTML of photos side by side."""
     return "".join(
         f"<figure>{_thumbnail(folder / row.name)}<figcaption>{html.escape(row.name)}"
-        f"{_sure(row)}</figcaption></figure>"
+        f"{_sure(row)}{_choice(row, house)}</figcaption></figure>"
         for row in rows
     )
 
@@ -207,8 +221,26 @@ def _sure(row: PlacedPhoto) -> str:
     if row.probability is None:
         return " <small>as told</small>"
     kind = "" if row.probability >= SURE else ' class="doubt"'
-    by = f", {html.escape(row.evidence)}" if row.evidence else ""
-    return f" <small{kind}>{row.probability:.0%}</small><small>{by}</small>"
+    return f" <small{kind}>{row.probability:.0%} sure</small>"
+
+
+def _choice(row: PlacedPhoto, house: House) -> str:
+    """Return the HTML of the rooms that a photo may be put in; nothing where the room was told."""
+    if row.room_id and row.probability is None:
+        return ""
+    first = "" if row.unused else row.room_id
+    options = {"": "not sure", **house.labels, "-": "no room of this home"}
+    if first:
+        del options[""]
+    listed = "".join(
+        f'<option value="{html.escape(value)}"{" selected" * (value == first)}>'
+        f"{html.escape(text)}</option>"
+        for value, text in options.items()
+    )
+    return (
+        f'<select data-row="{row.number}" data-first="{html.escape(first)}" '
+        f'aria-label="Room of {html.escape(row.name)}">{listed}</select>'
+    )
 
 
 def _thumbnail(path: Path) -> str:
