@@ -173,7 +173,8 @@ def doubt_lines(
             if row.of_kind > row.probability:
                 sure += f", {row.of_kind:.0%} that it is a room of this kind"
             if row.evidence:
-                sure += f", by {' and '.join(_EVIDENCE.get(word, word) for word in row.evidence.split())}"
+                told = [_EVIDENCE.get(word, word) for word in row.evidence.split()]
+                sure += f", by {' and '.join(told)}"
             yield f"{sure}; not used" if row.unused else sure
     bare = [labels[room.id] for room in house.rooms if room.id not in used and not room.open_air]
     if used and bare:

@@ -1,7 +1,7 @@
 """The places stage: masks and plan of a house -> cameras.json and photo_rooms.json.
 
-A photo whose room is not told is searched roughly in every room. In their room photos of one spot
-are searched together, then again under the height that the spots share.
+Photos of one spot are searched together: roughly in every room where their room is not told, then
+in their room, and again under the height that the spots share.
 """
 
 from __future__ import annotations
@@ -119,13 +119,18 @@ def locate_shots(
             for room_id in spot.rooms
         ]
 
-    def rough(name: str) -> dict[str, float]:
-        found = searches(Spot({name: 0}, shots[name].rooms), LOCATE.rough)
+    def rough(spot: Spot) -> dict[str, float]:
+        found = searches(spot, LOCATE.rough)
         return {search.room_id: search.best_score(HeightPrior()) for search in found}
 
     framed = [name for name, shot in shots.items() if shot.rooms and not shot.camera.fallback]
-    unknown = [name for name in framed if shots[name].hints is not None]
-    scores = dict(zip(unknown, each(rough, unknown, threads), strict=True))
+    anywhere = {name: shots[name].rooms for name in framed if shots[name].hints is not None}
+    groups = spots_of(anywhere, same_spot or {})
+    scores = {
+        name: every
+        for spot, every in zip(groups, each(rough, groups, threads), strict=True)
+        for name in spot.quarters
+    }
     rooms = _rooms(house, shots, scores, matches or {})
     likely = {name: likely_room(house, every) for name, every in rooms.items()}
     told = {room for name in framed if name not in likely for room in shots[name].rooms}
