@@ -1,17 +1,8 @@
 """COLOR, FREQ and TILE: the metrics of image pairs that need no network (paper section 6.2).
 
 COLOR : difference of HSL histograms of 10 x 3 x 3 bins.
-    The reference works out hue, lightness and saturation of every pixel in floats (``colorsys``)
-    and compares them with the edges of the bins. Two small tables, made of integer comparisons,
-    give the same bins in a tenth of the time; they agree with the floats wherever no edge is met
-    exactly:
-
-    - Lightness and saturation depend on the largest and the smallest channel alone, and no 8-bit
-      colour lies on one of their edges (.333 and .666).
-    - Hue depends on the differences red - green and green - blue alone. Its edges are rays of that
-      plane, halves of five straight lines, so the signs of integer forms give the bin. A colour
-      on a ray falls where the reference's rounding puts it: those few go through its arithmetic.
-
+    Hue, lightness and saturation are worked out by the operations of ``colorsys`` in their order,
+    as in the reference: a colour on the edge of a bin falls where their rounding puts it.
 FREQ : difference of radial amplitude spectra.
 TILE : how much an image's low frequencies betray a repeated tile.
 
@@ -30,12 +21,8 @@ from scipy import fft
 from plan2scene.images import METRIC_SIZE
 
 _LUMA = np.array([19595, 38470, 7471], dtype=np.float32) / np.float32(65536)
-_HUE_EDGES = np.arange(1, 10) / 10
+_HUE_EDGES, _SHADE_EDGES = np.arange(1, 10) / 10, (0.333, 0.666)
 _BINS = 90  #: Bins of the histogram
-#: Largest difference of two channels; a table over differences has a side of 2 * 255 + 1.
-_REACH = 255
-_SIDE = 511
-_ON_EDGE = 255  #: Marks a hue that lies on an edge
 _TILE_SIGMA = 21.0  #: Standard deviation in frequency samples of TILE's window
 
 
@@ -68,69 +55,28 @@ def grey(image: np.ndarray) -> np.ndarray:
     return np.floor(luma + np.float32(0.5)).astype(np.float64).reshape(image.shape[:-1])
 
 
-@cache
-def _hue_table() -> np.ndarray:
-    """Return (511 * 511,) uint8: 9 * hue bin by (red - green + 255) * 511 + green - blue + 255."""
-    difference = np.arange(-_REACH, _REACH + 1, dtype=np.int16)
-    x, y = difference[:, None], difference[None, :]  # red - green, green - blue
-    # Each line through hue k / 10 and k / 10 + 1 / 2, k = 1..4; positive past k / 10.
-    forms = (2 * y - 3 * x, -y - 5 * x, -4 * y - 5 * x, -5 * y - 3 * x)
-    # The line through hue 0 (red, x > 0) and 1 / 2 (cyan); the floats are exact on it.
-    second = (y < 0) | ((y == 0) & (x < 0))
-    past = sum(((form > 0) ^ second).astype(np.uint8) for form in forms)
-    table = 9 * (past + 5 * second.astype(np.uint8))
-    for form in forms:
-        table[form == 0] = _ON_EDGE
-    table[_REACH, _REACH] = 0  # grey has hue 0
-    return table.ravel()
-
-
-@cache
-def _shade_table() -> np.ndarray:
-    """Return (256 * 256,) uint8: 3 * saturation bin + lightness bin by largest * 256 + smallest.
-
-    Entries whose largest channel is below the smallest mean nothing.
-    """
-    top, bottom = np.arange(256)[:, None], np.arange(256)[None, :]
-    total, span = top + bottom, top - bottom  # each over 255
-    lightness = (1000 * total > 333 * 510).astype(np.uint8) + (1000 * total > 666 * 510)
-    divisor = np.minimum(total, 510 - total)
-    saturation = (1000 * span > 333 * divisor).astype(np.uint8) + (1000 * span > 666 * divisor)
-    return np.where(span > 0, 3 * saturation + lightness, lightness).astype(np.uint8).ravel()
-
-
-def _float_hue(colours: np.ndarray) -> np.ndarray:
-    """Return (n,) float64 hues in [0, 1) of (n, 3) uint8 sRGB that are not grey.
-
-    The operations of colorsys in their order, so that each rounds as there.
-    """
-    rgb = colours / 255.0
-    red, green, blue = rgb.T
-    top = rgb.max(axis=-1)
-    span = top - rgb.min(axis=-1)
-    from_red, from_green, from_blue = ((top - c) / span for c in (red, green, blue))
+def _histogram(image: np.ndarray) -> np.ndarray:
+    """Return the (90,) int64 histogram of one (h, w, 3) uint8 image."""
+    red, green, blue = (plane.ravel() / 255.0 for plane in cv2.split(image))
+    top = np.maximum(np.maximum(red, green), blue)
+    bottom = np.minimum(np.minimum(red, green), blue)
+    total, span = top + bottom, top - bottom
+    grey = span == 0  # has hue and saturation 0
+    away = ((top - channel) / np.where(grey, 1.0, span) for channel in (red, green, blue))
+    from_red, from_green, from_blue = away
     hue = np.where(
         red == top,
         from_blue - from_green,
         np.where(green == top, 2.0 + from_red - from_blue, 4.0 + from_green - from_red),
     )
-    return (hue / 6.0) % 1.0
-
-
-def _histogram(image: np.ndarray) -> np.ndarray:
-    """Return the (90,) int64 histogram of one (h, w, 3) uint8 image."""
-    red, green, blue = (plane.ravel() for plane in cv2.split(image))
-    top = np.maximum(np.maximum(red, green), blue)
-    bottom = np.minimum(np.minimum(red, green), blue)
-    shade = _shade_table().take(top.astype(np.uint16) * np.uint16(256) + bottom)
-    # red * 511 - green * 510 - blue is both differences of the table's index at once.
-    place = red * np.int32(_SIDE) - green * np.int32(_SIDE - 1) - blue
-    bins = _hue_table().take(place + np.int32(_REACH * _SIDE + _REACH))
-    edge = np.flatnonzero(bins == _ON_EDGE)
-    if len(edge):
-        hue = _float_hue(image.reshape(-1, 3)[edge])
-        bins[edge] = 9 * np.searchsorted(_HUE_EDGES, hue, side="right")
-    return np.bincount(bins + shade, minlength=_BINS)
+    hue /= 6.0
+    hue += hue < 0
+    lightness = total / 2.0
+    saturation = span / np.where(grey, 1.0, np.where(lightness <= 0.5, total, 2.0 - total))
+    bins = sum(9 * (hue >= edge) for edge in _HUE_EDGES)
+    for edge in _SHADE_EDGES:
+        bins += 3 * (saturation > edge) + (lightness > edge)
+    return np.bincount(bins, minlength=_BINS)
 
 
 def color_histogram(images: np.ndarray) -> np.ndarray:
