@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
+from plan2scene.textures.house_textures import table_textures
 from plan2scene.textures.inputs import HouseFiles, TextureSettings, Visible
-from plan2scene.textures.table import table_textures
 from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]):

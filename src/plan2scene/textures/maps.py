@@ -12,22 +12,25 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
+from pathlib import Path
 from typing import Any
 
 import cv2
 import numpy as np
 
-from plan2scene.colour import median_colour
+from plan2scene.colour import as_uint8, linear_to_srgb, median_colour, srgb_to_linear
 from plan2scene.house import House, SurfaceKey
 from plan2scene.images import image_from_bytes, jpeg_bytes
+from plan2scene.io import read_parquet
 from plan2scene.paint.light import recoloured
 from plan2scene.paint.shading import log_luma
 from plan2scene.photos.patterns.bonds import PX_PER_M
 from plan2scene.plans.surface_areas import Area, surface_areas
 from plan2scene.seeds import generator
-from plan2scene.textures.banded import Bands
+from plan2scene.textures.exemplar.house_tiles import PLAIN, exemplar_of
 from plan2scene.textures.exemplar.lattice import straightened
 from plan2scene.textures.exemplar.make import Pattern
+from plan2scene.textures.inputs import TextureInputs
 from plan2scene.textures.laying import (
     LaidPattern,
     laid,
@@ -60,6 +63,7 @@ class MapSettings:
     phases: int = 48  #: bins of a period
     most_px: int = 4096  #: side of a map: what every graphics processor takes
     quality: int = 88  #: of the JPEG files
+    band_px: int = 64  #: side of the tile of a band that no crop shows alone
     spread: float = 2.5  #: area of the rectangle around rooms of one material over theirs, at most
 
 
@@ -396,6 +400,52 @@ class MappedSurface:
     tile: Tile
     area: Area
     material: str
+
+
+@dataclass(frozen=True, eq=False)
+class Bands:
+    """The tiles of a wall of two materials: above and below `split_m` over the floor."""
+
+    split_m: float
+    upper: Tile
+    lower: Tile
+
+
+def read_bands(
+    path: str | Path, inputs: TextureInputs, tiles: Mapping[SurfaceKey, Tile]
+) -> dict[SurfaceKey, Bands]:
+    """Return the walls in bands of ``patterns.parquet``, each band of crops that show it alone.
+
+    The band that looks like the wall's tile has its colour, the other one as much another colour as
+    the photos show.
+    """
+    table, _ = read_parquet(path)
+    crops = {(crop.key, crop.crop_id): crop for crop in inputs.crops}
+    plain = {surface.key for surface in inputs.surfaces if surface.substance == PLAIN}
+    found = {}
+    for row in table[table["kind"] == "bands"].itertuples():
+        key = SurfaceKey(row.room_id, row.surface)
+        if key not in tiles:
+            continue
+        shown = srgb_to_linear(median_colour(tiles[key].image))
+        seen = {"above": np.array(row.upper, float), "below": np.array(row.lower, float)}
+        away = {name: np.abs(np.log((c + 0.01) / (shown + 0.01))).sum() for name, c in seen.items()}
+        like = min(away, key=lambda name: away[name])
+        made = []
+        for name, colour in seen.items():
+            tone = linear_to_srgb(np.clip(shown * colour / np.maximum(seen[like], 1e-3), 0.0, 1.0))
+            names = str(getattr(row, name)).split("|")
+            group = [crops[key, crop] for crop in names if (key, crop) in crops]
+            tile = exemplar_of(inputs, group, tone, plain=key in plain) if group else None
+            made.append(tile or _flat(tone))
+        found[key] = Bands(float(row.split_m), made[0], made[1])
+    return found
+
+
+def _flat(tone: np.ndarray) -> Tile:
+    """Return a tile of one sRGB colour (3,)."""
+    image = np.broadcast_to(as_uint8(tone), (MAPS.band_px, MAPS.band_px, 3)).copy()
+    return Tile(image, 1.0, "a band that no crop shows alone", tiles_by_construction=True)
 
 
 def house_maps(

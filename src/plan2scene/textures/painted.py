@@ -11,9 +11,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 
-from plan2scene.colour import as_uint8, linear_to_srgb, median_colour, srgb_to_linear
+from plan2scene.colour import (
+    as_uint8,
+    from_log_axes,
+    linear_to_srgb,
+    log_axes,
+    median_colour,
+    srgb_to_linear,
+)
 from plan2scene.house import SurfaceKey
 from plan2scene.images import jpeg_bytes, read_image, write_png
 from plan2scene.io import atomic_directory, write_json
@@ -31,7 +39,6 @@ from plan2scene.paint.surfaces import (
 from plan2scene.plans.parse import ID_PATTERN
 from plan2scene.stage_json import read_stage_json
 from plan2scene.textures.evidence import evidence_of
-from plan2scene.textures.plain import plain
 
 _QUALITY = 85  #: JPEG quality of maps, as of those that are painted
 #: Linear value on from which brightened values bend, so that none burns out: above white paint.
@@ -45,6 +52,23 @@ _BLACK = 1e-3  #: Least linear value of a texture's median
 #: What balconies, terraces and yards have where no photo shows them, since carpets and wallpapers
 #: stay indoors: linear values and substances of grey stone and of render.
 OPEN_AIR = {"floor": (0.30, "tile"), "wall": (0.65, "plaster")}
+
+
+@dataclass(frozen=True)
+class PlainSettings:
+    """What is light and noise on plain paint. Chosen by looking at a real flat (development).
+
+    White paint has one colour. What varies slowly over a white wall is its light, and faint colours
+    of its grain are the noise of a dim photo; relief and coloured patterns stay.
+    """
+
+    slow_m: float = 0.1  #: standard deviation, metres, of the filter before a pattern is measured
+    smear_m: float = 0.03  #: of the filter that takes light, smears and lens dirt of plain paint
+    noise: float = 0.06  #: fainter colours (log red or blue against green) are noise
+    brightest: float = 0.95  #: linear
+
+
+_PLAIN = PlainSettings()
 
 
 def paint_textures(
@@ -186,3 +210,28 @@ def _open_air_tiles(
         image, pattern = plain(tile, np.full(3, value), len(tile) / size_m)
         made[key] = _Tile(image, size_m, substance, pattern)
     return made
+
+
+def plain(image: np.ndarray, colour: np.ndarray, px_per_m: float) -> tuple[np.ndarray, float]:
+    """Return a tile in one paint with its relief, and how strong its pattern is.
+
+    `image` and the tile are (h, w, 3) uint8 sRGB, `colour` (3,) is the paint in linear RGB; the
+    strength is the standard deviation of log brightness.
+    """
+    axes = log_axes(srgb_to_linear(image)).astype(np.float32)
+    pattern = float((axes - _slow(axes, _PLAIN.slow_m * px_per_m))[..., 0].std())
+    detail = axes - _slow(axes, _PLAIN.smear_m * px_per_m)
+    faint = np.clip(detail[..., 1:], -_PLAIN.noise, _PLAIN.noise)
+    detail[..., 1:] -= faint
+    detail[..., 0] -= np.median(detail[..., 0])
+    linear = from_log_axes(log_axes(np.asarray(colour)) + detail)
+    painted = as_uint8(linear_to_srgb(np.minimum(linear, _PLAIN.brightest)))
+    return painted, pattern
+
+
+def _slow(axes: np.ndarray, sigma: float) -> np.ndarray:
+    """Return the slow part of a tile (h, w, 3) float32, of a filter of so many pixels."""
+    pad = int(np.ceil(3 * sigma))
+    padded = np.pad(axes, ((pad, pad), (pad, pad), (0, 0)), mode="wrap")
+    slow = cv2.GaussianBlur(padded, (0, 0), sigma)
+    return np.asarray(slow[pad:-pad, pad:-pad] if pad else slow)

@@ -15,10 +15,10 @@ from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene.propagation.graph_networks import PropagationNetwork, save_propagation
 from plan2scene.propagation.type_means import TypeMeans
+from plan2scene.textures.house_textures import table_textures
 from plan2scene.textures.inputs import HouseFiles, TextureSettings
 from plan2scene.textures.library import write_library
 from plan2scene.textures.model.embedding import make_embeddings
-from plan2scene.textures.table import table_textures
 from plan2scene.weights import save_model_file
 
 SIZE = 128

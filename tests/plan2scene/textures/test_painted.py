@@ -17,8 +17,7 @@ from plan2scene.paint.surfaces import (
     write_paint,
 )
 from plan2scene.textures.evidence import COLOURED, evidence_of
-from plan2scene.textures.painted import OPEN_AIR, paint_textures
-from plan2scene.textures.plain import plain
+from plan2scene.textures.painted import OPEN_AIR, paint_textures, plain
 
 
 def plane(photo, room_id, surface, colour):
