@@ -5,7 +5,7 @@ A variant changes the crop that stands for a surface, the noise, or the propagat
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -13,13 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plan2scene.evaluation.houses import (
-    EvaluatedHouse,
-    Models,
-    measured_at,
-    propagated_at,
-    propagated_from,
-)
+from plan2scene.evaluation.houses import EvaluatedHouse, Models, measured_at
 from plan2scene.evaluation.measure import write_measured
 from plan2scene.evaluation.measurements import Measurements
 from plan2scene.evaluation.references import reference_images
@@ -30,10 +24,9 @@ from plan2scene.evaluation.tables import (
     tidy_table,
     wide_table,
 )
-from plan2scene.house import SURFACES, House, SurfaceKey
+from plan2scene.house import House, SurfaceKey
 from plan2scene.io import read_parquet, write_csv, write_parquet, write_text
 from plan2scene.metrics.registry import METRICS
-from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.propagation.graph import house_graph
 from plan2scene.propagation.graph_networks import load_propagation
 from plan2scene.propagation.predictors import PREDICTORS
@@ -100,25 +93,15 @@ MISSING = {
 
 
 def selected(
-    surfaces: pd.DataFrame,
-    crops: pd.DataFrame,
-    embeddings: pd.DataFrame,
-    hidden_photos: Collection[str],
-    variant: Variant,
-    *,
-    house: str,
-    seed: int,
+    surfaces: pd.DataFrame, crops: pd.DataFrame, variant: Variant, *, house: str, seed: int
 ) -> pd.DataFrame:
     """Return ``surfaces.parquet`` with the crops that a variant selects.
 
-    The tables are those of the stages (docs/conventions.md), surfaces as the method selects.
+    `surfaces` are as the method selects, `crops` the visible ones with their embeddings.
     """
     import pandas as pd
 
-    own = ["embedding", "naive_embedding"]
-    table = crops[["crop_id", "photo", "room_id", "surface", "metres"]].join(embeddings[own])
-    table = table[~table["photo"].isin(set(hidden_photos))]
-    groups = {key: group for key, group in table.groupby(["room_id", "surface"])}
+    groups = {key: group for key, group in crops.groupby(["room_id", "surface"])}
     rows = surfaces.to_dict("records")
     for row in rows:
         group = groups[row["room_id"], row["surface"]]
@@ -158,26 +141,16 @@ def predicted(
         if row.observed
     }
     graph = house_graph(plan, seen)
-    if variant.propagate == "no_graph":
-        cut = replace(graph, edges=graph.edges[:, :0])
-        output = PREDICTORS["network"](cut, network, means, None).embedding
-    else:
-        output = PREDICTORS[variant.propagate](graph, network, means, None).embedding
+    name = variant.propagate
+    if name == "no_graph":
+        name, graph = "network", replace(graph, edges=graph.edges[:, :0])
+    output = PREDICTORS[name](graph, network, means, None).embedding
     frame = propagated.copy()
     frame["embedding"] = [
-        row.embedding
-        if row.observed
-        else output[graph.room_ids.index(row.room_id), SURFACES.index(row.surface)]
+        row.embedding if row.observed else output[graph.place(SurfaceKey(row.room_id, row.surface))]
         for row in propagated.itertuples()
     ]
     return frame
-
-
-def plane_noise_model(model: Path, output: Path) -> Path:
-    """Write a texture model with the noise of the reference, which does not tile; return it."""
-    state, architecture = load_model_file(model)
-    save_model_file(output, state, architecture | {"periodic": False})
-    return output
 
 
 def ablate_house(
@@ -191,18 +164,37 @@ def ablate_house(
 
     `hidden` maps a drop fraction to the photos hidden at it.
     """
-    data = HouseData(house.files)
+    data, house_id = HouseData(house.files), house.files.house_id
+    codes = read_parquet(embeddings)[0][["embedding", "naive_embedding"]]
+    crops = data.crops[["crop_id", "photo", "room_id", "surface", "metres"]].join(codes)
     frames = []
     for drop, photos in hidden.items():
         references = reference_images(data.crops, photos)
+        visible = crops[~crops["photo"].isin(set(photos))]
         with TemporaryDirectory() as name:
             folder = Path(name)
-            surfaces, _ = propagated_at(house, embeddings, photos, folder)
+            surfaces = house.select(embeddings, photos, folder / "surfaces.parquet")
             for variant in VARIANTS:
-                own = _variant_of(house, variant, folder)
-                propagated = _propagated(variant, surfaces, house, data.crops, embeddings, photos)
-                visible = Visible(propagated, photos)
-                rows = measured_at(own, data, visible, [variant.method], references, drop=drop)
+                own = folder / f"{variant.name}_surfaces.parquet"
+                propagated = folder / f"{variant.name}_propagated.parquet"
+                # What a variant selects is what its propagation starts from.
+                chosen = selected(
+                    surfaces, visible, variant, house=house_id, seed=house.settings.seed
+                )
+                write_parquet(own, chosen, {"house": house_id})
+                house.propagate(own, photos, propagated)
+                frame, metadata = read_parquet(propagated)
+                write_parquet(
+                    propagated, predicted(data.house, frame, variant, house.models), metadata
+                )
+                rows = measured_at(
+                    _variant_of(house, variant, folder),
+                    data,
+                    Visible(propagated, photos),
+                    [variant.method],
+                    references,
+                    drop=drop,
+                )
                 frames += [frame.assign(method=variant.name) for frame in rows]
     write_measured(output, frames, house.metadata)
 
@@ -212,34 +204,10 @@ def _variant_of(house: EvaluatedHouse, variant: Variant, folder: Path) -> Evalua
     settings = replace(house.settings, seam_correction={variant.method: variant.seam_correction})
     if not variant.plane_noise:
         return replace(house, settings=settings)
-    plane = plane_noise_model(house.models.texture, folder / "plane_noise.safetensors")
+    plane = folder / "plane_noise.safetensors"
+    state, architecture = load_model_file(house.models.texture)
+    save_model_file(plane, state, architecture | {"periodic": False})
     return replace(house, settings=settings, models=replace(house.models, texture=plane))
-
-
-def _propagated(
-    variant: Variant,
-    surfaces: Path,
-    house: EvaluatedHouse,
-    crops: pd.DataFrame,
-    embeddings: Path,
-    hidden_photos: Collection[str],
-) -> Path:
-    """Write the propagated table of a variant beside `surfaces`; return its path.
-
-    What a variant selects is what its propagation starts from.
-    """
-    files = house.files
-    table, embedded = read_parquet(surfaces)[0], read_parquet(embeddings)[0]
-    own = surfaces.with_name(f"{variant.name}_surfaces.parquet")
-    output = surfaces.with_name(f"{variant.name}_propagated.parquet")
-    tables = (table, crops, embedded, hidden_photos, variant)
-    chosen = selected(*tables, house=files.house_id, seed=house.settings.seed)
-    write_parquet(own, chosen, {"house": files.house_id})
-    propagated_from(own, output, house, list(hidden_photos))
-    frame, metadata = read_parquet(output)
-    plan = read_scene_json(files.scene, files.house_id)
-    write_parquet(output, predicted(plan, frame, variant, house.models), metadata)
-    return output
 
 
 def ablation_table(

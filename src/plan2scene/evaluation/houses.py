@@ -64,36 +64,27 @@ class EvaluatedHouse:
         names = {"dataset": self.dataset, "house": self.files.house_id}
         return names | self.models.metadata
 
+    def select(self, embeddings: Path, hidden_photos: Sequence[str], output: Path) -> pd.DataFrame:
+        """Write the ``surfaces.parquet`` of the visible photos to `output`; return it."""
+        files, dataset = self.files, self.dataset
+        return select_surfaces(
+            embeddings, files.crops, hidden_photos, output, house=files.house_id, dataset=dataset
+        )
 
-def propagated_at(
-    house: EvaluatedHouse, embeddings: Path, hidden_photos: Sequence[str], folder: Path
-) -> tuple[Path, Path]:
-    """Write ``surfaces.parquet`` and ``propagated.parquet`` to `folder`; return both paths."""
-    surfaces, propagated = folder / "surfaces.parquet", folder / "propagated.parquet"
-    crops, house_id = house.files.crops, house.files.house_id
-    select_surfaces(
-        embeddings, crops, hidden_photos, surfaces, house=house_id, dataset=house.dataset
-    )
-    propagated_from(surfaces, propagated, house, hidden_photos)
-    return surfaces, propagated
-
-
-def propagated_from(
-    surfaces: Path, output: Path, house: EvaluatedHouse, hidden_photos: Sequence[str]
-) -> None:
-    """Write the ``propagated.parquet`` of a table of surfaces to `output`."""
-    propagate_house(
-        house.files.scene,
-        surfaces,
-        output,
-        house=house.files.house_id,
-        dataset=house.dataset,
-        propagation_model=house.models.propagation,
-        texture_model=house.models.texture,
-        predictor=house.predictor,
-        colours=house.files.colours,
-        hidden_photos=hidden_photos,
-    )
+    def propagate(self, surfaces: Path, hidden_photos: Sequence[str], output: Path) -> None:
+        """Write the ``propagated.parquet`` of a table of surfaces to `output`."""
+        propagate_house(
+            self.files.scene,
+            surfaces,
+            output,
+            house=self.files.house_id,
+            dataset=self.dataset,
+            propagation_model=self.models.propagation,
+            texture_model=self.models.texture,
+            predictor=self.predictor,
+            colours=self.files.colours,
+            hidden_photos=hidden_photos,
+        )
 
 
 def measured_at(

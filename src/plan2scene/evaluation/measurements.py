@@ -52,11 +52,8 @@ class Measurements:
     """The files of all houses; only the file names and a house at a time are held."""
 
     def __init__(self, metrics: Iterable[str | Path], references: Iterable[str | Path]) -> None:
-        self._metrics = [str(path) for path in metrics]
-        self._references: dict[str, list[str]] = {}
-        for path in references:
-            house = read_parquet_metadata(path)["house"]
-            self._references.setdefault(house, []).append(str(path))
+        self._metrics = list(metrics)
+        self._references = {read_parquet_metadata(path)["house"]: path for path in references}
 
     def networks(self) -> dict[str, str]:
         """Return the name of each metric's network (``none`` without).
@@ -75,16 +72,14 @@ class Measurements:
     def houses(self) -> Iterator[MeasuredHouse]:
         """Yield the houses that have rows, in the order of their files."""
         for file in self._metrics:
-            frame, _ = read_parquet(file)
-            for name, rows in frame.groupby("house", sort=False):
-                yield MeasuredHouse(str(name), rows, self._crops(str(name)))
+            rows, _ = read_parquet(file)
+            if len(rows):
+                name = str(rows["house"].iloc[0])
+                yield MeasuredHouse(name, rows, self._crops(name))
 
     def _crops(self, house: str) -> dict[tuple[str, str], np.ndarray]:
         """Return the features of a house's crops by surface; none where it has no file."""
-        groups: dict[tuple[str, str], list[np.ndarray]] = {}
-        for path in self._references.get(house, []):
-            frame, _ = read_parquet(path)
-            keys = zip(*(frame[name] for name in _SURFACE), strict=True)
-            for key, features in zip(keys, frame["features"], strict=True):
-                groups.setdefault(key, []).append(features)
-        return {key: np.stack(features) for key, features in groups.items()}
+        if house not in self._references:
+            return {}
+        groups = read_parquet(self._references[house])[0].groupby(_SURFACE)["features"]
+        return {key: np.stack(list(features)) for key, features in groups}

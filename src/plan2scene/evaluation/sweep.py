@@ -7,7 +7,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
-from plan2scene.evaluation.houses import EvaluatedHouse, measured_at, propagated_at
+from plan2scene.evaluation.houses import EvaluatedHouse, measured_at
 from plan2scene.evaluation.measure import write_measured
 from plan2scene.evaluation.measurements import Measurements
 from plan2scene.evaluation.plot import plot_sweep
@@ -53,7 +53,9 @@ def _at_drop(
     """Return the metrics of each method with those photos hidden."""
     references = reference_images(data.crops, hidden_photos)
     with TemporaryDirectory() as name:
-        _, propagated = propagated_at(house, embeddings, hidden_photos, Path(name))
+        surfaces, propagated = Path(name) / "surfaces.parquet", Path(name) / "propagated.parquet"
+        house.select(embeddings, hidden_photos, surfaces)
+        house.propagate(surfaces, hidden_photos, propagated)
         return measured_at(house, data, Visible(propagated, hidden_photos), methods, references)
 
 

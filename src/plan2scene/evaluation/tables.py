@@ -6,7 +6,7 @@ better). Sums of each method, column and drop are made over all houses in a stre
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -63,30 +63,30 @@ _AT_ONCE, _AT_ONCE_WIDE = 48, 3
 
 @dataclass
 class Cell:
-    """Sums over the surfaces of a method, column and drop: a byte a house is held."""
+    """Sums over the surfaces of a method, column and drop."""
 
     method: str
     column: str
     drop: str
-    #: a byte a house: 1 with results of method and drop, 2 with surfaces counted
-    present: bytearray
+    measured: set[str] = field(default_factory=set)  #: houses with results of method and drop
+    houses: int = 0  #: those with surfaces that count
     n: int = 0
     images: int = 0
     sums: np.ndarray = field(default_factory=lambda: np.zeros((2, len(MEANS))))
     distances: SurfaceDistances = field(default_factory=SurfaceDistances)
 
-    def add(self, place: int, house: MeasuredHouse) -> None:
-        """Add the surfaces of the house of that place in the table."""
+    def add(self, house: MeasuredHouse) -> None:
+        """Add the surfaces of a house."""
         columns = house.columns
         chosen = (columns["method"] == self.method) & (columns["drop"] == self.drop)
         if chosen.any():
-            self.present[place] = max(self.present[place], 1)
+            self.measured.add(house.name)
         if self.column != "all":
             chosen &= columns["observed"].astype(bool) == (self.column == "observed")
         rows = np.flatnonzero(chosen)
         if not len(rows):
             return
-        self.present[place] = 2
+        self.houses += 1
         self.n += len(rows)
         images = [house.images[row] for row in rows]
         self.images += sum(map(len, images))
@@ -105,8 +105,8 @@ class Cell:
         return dict(zip(MEANS, means.tolist(), strict=True)) | self.distances.values()
 
 
-def summed(cells: Sequence[Cell], houses: Mapping[str, int], measured: Measurements) -> None:
-    """Add all measured houses, which have their place in the table, to the cells.
+def summed(cells: Sequence[Cell], houses: Collection[str], measured: Measurements) -> None:
+    """Add all measured houses that the table covers to the cells.
 
     The files are read again for every few dozen cells.
     """
@@ -118,7 +118,7 @@ def summed(cells: Sequence[Cell], houses: Mapping[str, int], measured: Measureme
                 own = own[:_AT_ONCE_WIDE]
             if house.name in houses:
                 for cell in own:
-                    cell.add(houses[house.name], house)
+                    cell.add(house)
         left = left[len(own) :]
 
 
@@ -154,12 +154,12 @@ def tidy_table(measured: Measurements, request: TableRequest) -> pd.DataFrame:
 
     networks = measured.networks()
     cells = [
-        Cell(method, column, drop, bytearray(len(request.houses)))
+        Cell(method, column, drop)
         for method in request.methods
         for column in TABLE_COLUMNS
         for drop in request.drops_of(column)
     ]
-    summed(cells, {house: place for place, house in enumerate(request.houses)}, measured)
+    summed(cells, set(request.houses), measured)
     last = {
         "seed": request.seed,
         "version": plan2scene.__version__,
@@ -167,8 +167,7 @@ def tidy_table(measured: Measurements, request: TableRequest) -> pd.DataFrame:
     }
     rows: list[dict[str, object]] = []
     for cell in cells:
-        pairs = zip(request.houses, cell.present, strict=True)
-        missing = sorted({house for house, present in pairs if not present})
+        missing = sorted(set(request.houses) - cell.measured)
         common = {
             "dataset": request.dataset,
             "method": cell.method,
@@ -176,7 +175,7 @@ def tidy_table(measured: Measurements, request: TableRequest) -> pd.DataFrame:
             "drop": cell.drop,
             "n": cell.n,
             "images": cell.images,
-            "houses": cell.present.count(2),
+            "houses": cell.houses,
             "missing": " ".join(missing) or "none",
             **last,
         }

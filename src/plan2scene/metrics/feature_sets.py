@@ -163,13 +163,6 @@ class KernelMoments:
         return (self.across(self) - self._own) / (self.units * (self.units - 1))
 
 
-def moments_distance(a: KernelMoments, b: KernelMoments) -> float:
-    """Return KID of two sets; NaN with fewer than two units in one."""
-    if min(a.units, b.units) < 2:
-        return float("nan")
-    return a.within() + b.within() - 2.0 * a.across(b) / (a.units * b.units)
-
-
 class SurfaceDistances:
     """FID and KID of measured surfaces, house by house."""
 
@@ -212,7 +205,10 @@ class ExactKernel:
 
     def value(self) -> float:
         """Return KID; NaN with fewer than two surfaces."""
-        return moments_distance(*self._sets)
+        a, b = self._sets
+        if min(a.units, b.units) < 2:
+            return float("nan")
+        return a.within() + b.within() - 2.0 * a.across(b) / (a.units * b.units)
 
 
 class BlockKernel:

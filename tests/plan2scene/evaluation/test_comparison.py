@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from plan2scene.evaluation.houses import propagated_at
 from plan2scene.evaluation.measure import measure_tiles
 from plan2scene.evaluation.references import reference_images
 from plan2scene.house import SurfaceKey
@@ -28,8 +27,10 @@ def compared(house, embeddings, compare, tmp_path_factory):
     house = replace(house, settings=TextureSettings(5, 64, seams))
     drops = {}
     for drop, hidden in HIDDEN.items():
-        (root / drop).mkdir()
-        drops[drop] = Visible(propagated_at(house, embeddings, hidden, root / drop)[1], hidden)
+        surfaces, propagated = (root / f"{name}_{drop}.parquet" for name in ("seen", "all"))
+        house.select(embeddings, hidden, surfaces)
+        house.propagate(surfaces, hidden, propagated)
+        drops[drop] = Visible(propagated, hidden)
     metrics = compare(house, drops, COMPARED, root / "tiles", images=3)
     return house, drops, root / "tiles", read_parquet(metrics)[0]
 
