@@ -65,18 +65,22 @@ def _judge(
     """Return whether the periods were found, and the autocorrelation over the truth's."""
     if made is None:
         return False, 0.0
+    cut, nan = made.pattern.cut, float("nan")
+    counts = cut.columns, cut.rows
+    sides = zip((cut.wide, cut.high), counts, strict=True)
+    period_m = [made.pattern.size_m * side / count if count else nan for side, count in sides]
     for periods in truth:
         for swap in (False, True):  # a turn by more than 45 degrees exchanges the axes
             wanted = periods[::-1] if swap else periods
             errors = [
                 abs(found / want - 1.0) if np.isfinite(found) else 1.0
-                for found, want in zip(made.period_m, wanted, strict=True)
+                for found, want in zip(period_m, wanted, strict=True)
                 if np.isfinite(want)
             ]
             if max(errors) <= _NEAR:
                 px = tuple(
-                    SIZE / count if np.isfinite(want) else float("nan")
-                    for count, want in zip(made.periods, wanted, strict=True)
+                    SIZE / count if np.isfinite(want) else nan
+                    for count, want in zip(counts, wanted, strict=True)
                 )
                 ours = autocorrelation(made.image, (px[0], px[1]))
                 theirs = autocorrelation(tile, (periods[0] * SIZE, periods[1] * SIZE))

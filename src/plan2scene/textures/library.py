@@ -107,18 +107,14 @@ def write_library(
 
     The folder has subfolders wood, plaster, carpet, tile of images.
     """
+    import pandas as pd
+
     from plan2scene.materials import load_texture_folder
 
     if folder is None:
-        _write(output, generated_library(per_substance, seed, size_px), "generated")
+        library = generated_library(per_substance, seed, size_px)
     else:
-        _write(output, _from_materials(load_texture_folder(folder, size_px=size_px)), "folder")
-
-
-def _write(output: str | Path, library: TextureLibrary, source: str) -> None:
-    """Write a library as Parquet."""
-    import pandas as pd
-
+        library = _from_materials(load_texture_folder(folder, size_px=size_px))
     frame = pd.DataFrame(
         {
             "name": library.names,
@@ -127,7 +123,7 @@ def _write(output: str | Path, library: TextureLibrary, source: str) -> None:
             "png": [png_bytes(tile) for tile in library.tiles],
         }
     )
-    write_parquet(output, frame, {"source": source})
+    write_parquet(output, frame, {"source": "generated" if folder is None else "folder"})
 
 
 def read_library(path: str | Path) -> TextureLibrary:

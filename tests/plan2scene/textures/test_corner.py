@@ -39,12 +39,10 @@ def test_a_checkerboard_larger_than_its_crops_is_completed():
     assert made.pattern.completed in crops
     assert made.crops == (crops.index(made.pattern.completed),)
     # At least as large as what a crop shows from a joint to its border, at most what is true.
-    for period in made.period_m:
-        assert 2 * 0.3 < period < 2 * SIDE_M * 1.03
-    cells = np.array(made.periods)
-    assert (cells >= 1).all() and made.size_m == pytest.approx(
-        cells[0] * made.period_m[0], rel=0.02
-    )
+    cut = made.pattern.cut
+    for side, cells in ((cut.wide, cut.columns), (cut.high, cut.rows)):
+        assert cells >= 1
+        assert 2 * 0.3 < made.pattern.size_m * side / cells < 2 * SIDE_M * 1.03
     grey = made.image.mean(axis=2)
     # Half dark and half light, as sharply apart as in the crops.
     dark, light = np.percentile(grey, (20, 80))

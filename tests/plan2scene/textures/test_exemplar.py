@@ -46,7 +46,8 @@ def test_regular_patterns_are_cut_at_whole_periods(columns, rows, bond) -> None:
     tile = grid(columns, rows, bond=bond)
     made = make_exemplar(crops_of(tile), size_px=128)
     assert made is not None
-    assert made.periods in {(columns, rows), (columns, rows // (2 if bond else 1))}
+    cut = made.pattern.cut
+    assert (cut.columns, cut.rows) in {(columns, rows), (columns, rows // (2 if bond else 1))}
     assert made.size_m == pytest.approx(2.0, rel=0.03)
     assert wrap_ratio(made.image) < 1.1
     assert steepest_line(made.image) < 1.2 * steepest_line(tile)  # no seam within it either
@@ -88,7 +89,8 @@ def test_larger_tiles_show_more_metres_at_the_same_detail() -> None:
     small, large = (make_exemplar(crops, size_px=size) for size in (128, 256))
     assert large.image.shape == (256, 256, 3)
     assert large.size_m == pytest.approx(2 * small.size_m, rel=0.01)
-    assert large.periods == (2 * small.periods[0], 2 * small.periods[1])
+    few, many = small.pattern.cut, large.pattern.cut
+    assert (many.columns, many.rows) == (2 * few.columns, 2 * few.rows)
     # An enlargement would halve the steps from pixel to pixel.
     assert detail(large.image) == pytest.approx(detail(small.image), rel=0.15)
     assert color_distance(large.image, np.tile(small.image, (2, 2, 1))) < 0.1

@@ -13,9 +13,8 @@ made.
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -34,7 +33,6 @@ from plan2scene.textures.tiles import NoTile, Tile
 
 #: Substance without spots of its own.
 PLAIN = "plaster"
-_KeyedTile = tuple[SurfaceKey, Tile | NoTile]
 
 
 def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
@@ -43,7 +41,6 @@ def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
     Where no crop of a surface has a known scale, the tile has the size of the surface's row.
     """
     surfaces = {surface.key: surface for surface in inputs.surfaces}
-    own: dict[SurfaceKey, Tile] = {}
     tiles: dict[SurfaceKey, Tile | NoTile] = {}
     groups: dict[SurfaceKey, list[Crop]] = {}
     for crop in inputs.crops:
@@ -51,10 +48,9 @@ def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
             groups.setdefault(crop.key, []).append(crop)
     shared = _shared_crops(surfaces, groups)
 
-    def of_one_material(keys: list[SurfaceKey]) -> tuple[list[_KeyedTile], dict[Hashable, Any]]:
-        known = set(inputs.data.exemplars)
+    def of_one_material(keys: list[SurfaceKey]) -> list[tuple[SurfaceKey, Tile | NoTile]]:
         plain = all(surfaces[key].substance == PLAIN for key in keys)
-        tiles_of_material: list[_KeyedTile] = []
+        tiles_of_material: list[tuple[SurfaceKey, Tile | NoTile]] = []
         for key in keys:
             surface, group = surfaces[key], groups[key]
             if not surface.material and _of_another_thing(group, surface.colour):
@@ -64,29 +60,24 @@ def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
             tiles_of_material.append(
                 (key, made or NoTile(f"none of {len(group)} crops is sharp enough"))
             )
-        return tiles_of_material, {
-            k: made for k, made in inputs.data.exemplars.items() if k not in known
-        }
+        return tiles_of_material
 
     materials: dict[str, list[SurfaceKey]] = {}  # what shares a pattern makes it once
     for key in groups:
         materials.setdefault(surfaces[key].material or f"alone/{key.filename}", []).append(key)
     longest_first = sorted(materials.values(), key=lambda m: -sum(len(groups[key]) for key in m))
-    for material_tiles, exemplars in each(of_one_material, longest_first, inputs.settings.threads):
-        inputs.data.exemplars.update(exemplars)
-        for key, tile in material_tiles:
-            if isinstance(tile, NoTile):
-                tiles[key] = tile
-            else:
-                own[key] = tile
-    own = {key: own[key] for key in groups if key in own}
+    for made in each(of_one_material, longest_first, inputs.settings.threads):
+        tiles.update(made)
+    own = {key: tile for key in groups if isinstance(tile := tiles.get(key), Tile)}
     for key, surface in surfaces.items():
         if key not in tiles:
-            tile = own[key] if key in own else _nearest(inputs, surface, surfaces, own)
-            if isinstance(tile, Tile) and not math.isfinite(tile.size_m):
-                tile = replace(tile, size_m=surface.size_m)
-            tiles[key] = tile
-    return tiles
+            tiles[key] = _nearest(inputs, surface, surfaces, own)
+    return {
+        key: replace(tile, size_m=surfaces[key].size_m)
+        if isinstance(tile, Tile) and not math.isfinite(tile.size_m)
+        else tile
+        for key, tile in tiles.items()
+    }
 
 
 def _shared_crops(

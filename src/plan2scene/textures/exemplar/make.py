@@ -117,9 +117,6 @@ class Exemplar:
     image: np.ndarray  #: (s, s, 3) uint8 sRGB, repeats in both directions
     size_m: float  #: metres that it covers; NaN when no crop knows its scale
     crops: tuple[int, ...]  #: indices of the crops that it was made of
-    periods: tuple[int, int]  #: how often its pattern repeats in it along x and y; 0: no period
-    #: its periods, metres (sides of the median crop of no known scale); NaN: none
-    period_m: tuple[float, float]
     pattern: Pattern  #: what it was quilted from
 
 
@@ -234,20 +231,14 @@ def make_exemplar(
     if known is None:
         return None
     pattern, work = known
-    cut, size_m = pattern.cut, pattern.size_m
     used = pattern.used if pattern.completed is None else [pattern.completed]
     sources = [pattern.source(k, work) for k in pattern.order[: EXEMPLAR.max_crops]]
-    canvas = quilt(sources, work, (cut.columns, cut.rows))
+    canvas = quilt(sources, work, (pattern.cut.columns, pattern.cut.rows))
     image = with_calm_border(as_uint8(toned(canvas.solve(), pattern.colour)))
     return Exemplar(
         as_uint8(enlarged(image / 255.0, size_px)),
         pattern.covered_m,
         tuple(i for i, crop in enumerate(crops) if any(crop is own for own in used)),
-        (cut.columns, cut.rows),
-        (
-            size_m * cut.wide / cut.columns if cut.columns else float("nan"),
-            size_m * cut.high / cut.rows if cut.rows else float("nan"),
-        ),
         pattern,
     )
 

@@ -19,6 +19,7 @@ from plan2scene.seeds import derive_seed
 
 _FILTER_PX = 7
 _RANDOM_FILTERS = 18
+_SIZES, _ORIENTATIONS = (64, 128), 6  #: Of images, pixels, and of sectors of their spectrum
 #: Gram norms below this belong to flat textures, whose noise should not count as a pattern.
 _FLAT = 4e-4
 #: Luminance and two opponent colours; chroma is scaled up because its contrast is lower.
@@ -68,14 +69,13 @@ def _filter_bank() -> torch.Tensor:
 class FilterBankStatistics(nn.Module):
     """Gram matrices of a fixed rectified filter bank on the levels of an image pyramid.
 
-    Each level is half the size of the one before; levels under 16 px are left out. `periodic`
-    images repeat (tiles): filters wrap around; others are mirrored at the border.
+    Each level is half the size of the one before; levels under 16 px are left out. Images are
+    mirrored at the border.
     """
 
-    def __init__(self, levels: int = 5, *, periodic: bool = False) -> None:
+    def __init__(self, levels: int = 5) -> None:
         super().__init__()
         self.levels = levels
-        self.padding = "circular" if periodic else "reflect"
         self.bank: torch.Tensor
         self.register_buffer("bank", _filter_bank(), persistent=False)
 
@@ -92,7 +92,7 @@ class FilterBankStatistics(nn.Module):
             if min(image.shape[2:]) < 16 and level:
                 break
             border = _FILTER_PX // 2
-            padded = functional.pad(image, (border,) * 4, mode=self.padding)
+            padded = functional.pad(image, (border,) * 4, mode="reflect")
             yield functional.conv2d(padded, self.bank)
 
     def distance(self, images: torch.Tensor, targets: torch.Tensor) -> torch.Tensor:
@@ -158,10 +158,10 @@ def _sectors(size: int, orientations: int) -> torch.Tensor:
 class SpectrumStatistics(nn.Module):
     """Log power in rings (and, for luminance, sectors) of the windowed spectrum."""
 
-    def __init__(self, sizes: tuple[int, ...] = (64, 128), orientations: int = 6) -> None:
+    def __init__(self) -> None:
         super().__init__()
-        for size in sizes:
-            self.register_buffer(f"sectors{size}", _sectors(size, orientations), persistent=False)
+        for size in _SIZES:
+            self.register_buffer(f"sectors{size}", _sectors(size, _ORIENTATIONS), persistent=False)
             self.register_buffer(f"rings{size}", _sectors(size, 1), persistent=False)
 
     def log_power(self, rgb: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:

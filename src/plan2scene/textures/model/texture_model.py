@@ -58,19 +58,17 @@ class _Layer(nn.Module):
 class Decoder(nn.Module):
     """Style (n, style_dim) and noise (n, noise_maps, h, w) -> (n, 3, h, w) in [-1, 1].
 
-    64 style values (the same everywhere) and 48 noise maps a pixel; `hidden` layers of `width`
-    channels after the first. `low_precision` multiplies in bfloat16 (three times faster on CPUs
+    Layers of 128 channels. `low_precision` multiplies in bfloat16 (three times faster on CPUs
     that have it; weights stay float32).
     """
 
-    def __init__(
-        self, style_dim: int = 64, noise_maps: int = 48, width: int = 128, hidden: int = 4
-    ) -> None:
+    def __init__(self, style_dim: int, noise_maps: int = 2 * OCTAVES * CHANNELS) -> None:
         super().__init__()
+        width = 128
         self.style_dim = style_dim
         self.low_precision = False
         self.first_conv = _Layer(style_dim + noise_maps, width)
-        self.res_blocks = nn.ModuleList(_Layer(width, width) for _ in range(hidden))
+        self.res_blocks = nn.ModuleList(_Layer(width, width) for _ in range(4))
         self.last_conv = _Layer(width, 3)
 
     def forward(self, style: torch.Tensor, noise: torch.Tensor) -> torch.Tensor:
@@ -242,7 +240,7 @@ class TextureModel(nn.Module):
         super().__init__()
         self.architecture = architecture
         self.encoder = _make_encoder(architecture)
-        self.decoder = Decoder(architecture.style_dim, 2 * OCTAVES * CHANNELS)
+        self.decoder = Decoder(architecture.style_dim)
         if architecture.substances:
             self.substance_layer = nn.Linear(architecture.code_dim, architecture.substances)
 
