@@ -72,24 +72,16 @@ def _values(config: Mapping[str, Any]) -> Iterator[tuple[str, object]]:
             queue += [(f"{key}.{name}" if key else str(name), item) for name, item in items[::-1]]
 
 
-def check_official(config: Mapping[str, Any]) -> None:
-    """Raise InputError, one line, where ``weights: official`` lacks a checkpoint it needs."""
-    if config["weights"] != "official":
-        return
-    checkpoints = config["official"]
-    for name in ("texture", "propagation", "naivesynth"):
+def check_checkpoints(config: Mapping[str, Any]) -> None:
+    """Raise InputError, one line, where a checkpoint is needed and not named, or is no file."""
+    paths = {f"metrics.{name}": config["metrics"][name] for name in ("vgg16", "inception")}
+    if config["weights"] == "official":
+        names = ("texture", "propagation", "naivesynth")
+        paths |= {f"official.{name}": config["official"][name] for name in names}
         # A propagation network knows the embeddings of one texture model only.
-        if checkpoints[name] is None and name != "naivesynth":
-            raise InputError(f"a path for official.{name}", "null", file="configuration")
-        _check_file(f"official.{name}", checkpoints[name])
-
-
-def check_metrics(section: Mapping[str, Any]) -> None:
-    """Raise InputError, one line, where a network of section ``metrics`` is no file."""
-    for name in ("vgg16", "inception"):
-        _check_file(f"metrics.{name}", section[name])
-
-
-def _check_file(name: str, path: str | None) -> None:
-    if path is not None and not Path(path).is_file():
-        raise InputError(f"a checkpoint ({name})", "no such file", file=path)
+        for name in ("official.texture", "official.propagation"):
+            if paths[name] is None:
+                raise InputError(f"a path for {name}", "null", file="configuration")
+    for name, path in paths.items():
+        if path is not None and not Path(path).is_file():
+            raise InputError(f"a checkpoint ({name})", "no such file", file=path)

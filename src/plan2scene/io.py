@@ -49,6 +49,14 @@ def _start(target: Path) -> str:
     return f".tmp_{hashlib.sha256(target.name.encode(errors='surrogateescape')).hexdigest()[:8]}_"
 
 
+def _prepared(path: str | os.PathLike[str]) -> tuple[Path, Path]:
+    """Return a path to write and an unused name beside it; what killed writers left is removed."""
+    target = Path(path)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    _remove_stale(target)
+    return target, _temporary_beside(target)
+
+
 def _temporary_beside(target: Path) -> Path:
     """Return an unused name in the target's folder, with the target's suffix."""
     name = f"{_start(target)}{_machine()}_{os.getpid()}_{secrets.token_hex(4)}"
@@ -142,10 +150,7 @@ def atomic_path(path: str | os.PathLike[str], *, flush: bool = False) -> Iterato
     umask gives, whatever mode the writer gave the temporary one. With `flush` it is on the disk
     before it takes its name, and so is the name: a power cut leaves the old file or the new one.
     """
-    target = Path(path)
-    target.parent.mkdir(parents=True, exist_ok=True)
-    _remove_stale(target)
-    temporary = _temporary_beside(target)
+    target, temporary = _prepared(path)
     try:
         temporary.touch()
         mode = stat.S_IMODE(temporary.stat().st_mode)
@@ -167,10 +172,7 @@ def atomic_directory(path: str | os.PathLike[str], *, flush: bool = False) -> It
     The old directory stays until the new one takes its place; for a moment neither is there
     (:func:`_replace_directory`). `flush` is as for :func:`atomic_path`, of all files in it.
     """
-    target = Path(path)
-    target.parent.mkdir(parents=True, exist_ok=True)
-    _remove_stale(target)
-    temporary = _temporary_beside(target)
+    target, temporary = _prepared(path)
     try:
         temporary.mkdir()
         yield temporary

@@ -1,17 +1,18 @@
 """Untrained texture models, small enough to be made in a test."""
 
+from dataclasses import asdict
 from pathlib import Path
 
 import torch
 
-from plan2scene.textures.model.texture_model import Architecture, TextureModel, architecture_header
+from plan2scene.textures.model.texture_model import Architecture, TextureModel
 from plan2scene.weights import save_model_file
 
 
 def write_texture_model(path: Path, *, half: bool = True, **architecture: object) -> TextureModel:
     """Write a model of width 4, Synth's by default; return it."""
     model = TextureModel(Architecture(width=4, **architecture))
-    save_model_file(path, model.state_dict(), architecture_header(model), half=half)
+    save_model_file(path, model.state_dict(), asdict(model.architecture), half=half)
     return model
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from snakemake.logging import logger
 
-from plan2scene.config import check_config, check_metrics, check_official
+from plan2scene.config import check_checkpoints, check_config
 from plan2scene.datasets.assignments import lacks_rooms
 from plan2scene.datasets.drops import hidden_photos, read_unobserved
 from plan2scene.datasets.layout import find_layout
@@ -37,8 +37,7 @@ try:
         TABLE.of_splits(config["dataset"]["splits"], config["dataset"]["houses"])
     )
     CROPS = config["crops"] | chosen_crops(LAYOUT, config["crops"])
-    check_official(config)
-    check_metrics(config["metrics"])
+    check_checkpoints(config)
     # The photos that the data set itself hides at each drop fraction; None if it does not say.
     UNOBSERVED = (
         {

@@ -57,13 +57,7 @@ def _bars(axes: Axes, cells: pd.DataFrame, metric: str, methods: list[str]) -> N
 
 
 def plot_sweep(tidy: pd.DataFrame, output: str | Path) -> None:
-    """Write a PNG of the tidy table of a sweep."""
-    with atomic_path(output) as temporary:
-        sweep_figure(tidy).savefig(temporary, dpi=90, metadata={"Software": None})
-
-
-def sweep_figure(tidy: pd.DataFrame) -> Figure:
-    """Return a sweep as a figure: a row per column of surfaces, a panel per metric."""
+    """Write a PNG of a sweep's tidy table: a row per column of surfaces, a panel per metric."""
     figure = _figure(17, 8)
     panels = figure.subplots(len(TABLE_COLUMNS), len(METRICS), sharex=True, sharey="col")
     for column, line in zip(TABLE_COLUMNS, panels, strict=True):
@@ -89,7 +83,8 @@ def sweep_figure(tidy: pd.DataFrame) -> Figure:
         f"{first['dataset']}, {tidy['houses'].max()} houses, seed {first['seed']}: lower is "
         "better. FID falls with the number of surfaces; compare methods at one drop.",
     )
-    return figure
+    with atomic_path(output) as temporary:
+        figure.savefig(temporary, dpi=90, metadata={"Software": None})
 
 
 def _figure(width: float, height: float) -> Figure:

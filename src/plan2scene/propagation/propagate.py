@@ -11,7 +11,7 @@ import numpy as np
 from plan2scene.errors import InputError
 from plan2scene.house import SUBSTANCES, SURFACES, SurfaceKey
 from plan2scene.io import read_parquet, write_parquet
-from plan2scene.paint.observations import HouseColours, house_colours
+from plan2scene.paint.observations import house_colours
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.propagation.graph import HouseGraph, house_graph
 from plan2scene.propagation.substances import usual_shares, weighed
@@ -67,7 +67,10 @@ def propagate_house(
     named = {graph.place(key): row.substance for key, row in observed.items()}
     types = [room.types for room in plan.rooms]
     substances = unseen_substances(graph, types, predicted, named, texture_model)
-    embeddings, colour = _all_surfaces(graph, predicted, photo_colours)
+    in_photos = np.zeros(graph.observed.shape, dtype=bool)
+    if photo_colours is not None and predicted.seen is not None:
+        in_photos = photo_colours.photos > 0
+    embeddings, colour = _all_surfaces(graph, predicted, in_photos)
     known = {key: float(row.metres) for key, row in observed.items()}
     rows: list[dict[str, Any]] = []
     for key in plan.surface_keys():
@@ -76,12 +79,7 @@ def propagate_house(
             row = _observed_row(observed[key])
         else:
             _, naive = means.predict(graph.types[place[0]])
-            in_part = (
-                photo_colours is not None
-                and predicted.seen is not None
-                and photo_colours.photos[place] > 0
-            )
-            row = _unobserved_row(graph, predicted, place, bool(in_part))
+            row = _unobserved_row(graph, predicted, place, in_part=in_photos[place])
             row |= {"naive_embedding": naive[place[1]], "substance": substances[place]}
         row |= {"room_id": key.room_id, "surface": key.surface, "metres": _metres(known, key)}
         row |= {"embedding": embeddings[place], "colour": colour[place]}
@@ -99,25 +97,24 @@ def shared_materials(path: str | Path | None) -> dict[SurfaceKey, str]:
 
 
 def _all_surfaces(
-    graph: HouseGraph, predicted: Prediction, photo_colours: HouseColours | None
+    graph: HouseGraph, predicted: Prediction, in_photos: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return embeddings (n, 3, 11) and sRGB colours (n, 3, 3) of all surfaces, float32.
 
-    Observed surfaces keep their embedding. Photos give the colour of every surface they show;
-    without a crop also the colour of its embedding.
+    Observed surfaces keep their embedding. Photos give the colour of every surface `in_photos`
+    (n, 3) bool; without a crop also the colour of its embedding.
     """
     observed = graph.observed[..., None]
     embeddings = np.where(observed, graph.embeddings, predicted.embedding)
     colour = embeddings[..., -3:].copy()
-    if predicted.seen is not None and photo_colours is not None:
-        in_photos = photo_colours.photos[..., None] > 0
-        colour = np.where(in_photos, predicted.seen, colour).astype(np.float32)
+    if predicted.seen is not None:
+        colour = np.where(in_photos[..., None], predicted.seen, colour).astype(np.float32)
         embeddings[..., -3:] = np.where(observed, embeddings[..., -3:], colour)
     return embeddings, colour
 
 
 def _unobserved_row(
-    graph: HouseGraph, predicted: Prediction, place: tuple[int, int], in_part: bool
+    graph: HouseGraph, predicted: Prediction, place: tuple[int, int], *, in_part: bool
 ) -> dict[str, Any]:
     """Return what was predicted for a surface that no crop shows, but for its embedding.
 

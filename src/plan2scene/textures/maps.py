@@ -379,6 +379,19 @@ class SurfaceMap:
     pattern: str = ""  #: kind and size of the units that it is laid of, in words; empty for none
     split_m: float | None = None  #: height above the floor at which its two bands meet
 
+    @classmethod
+    def of(
+        cls,
+        image: np.ndarray,
+        area: Area,
+        photo_px_per_m: float,
+        pattern: str = "",
+        split_m: float | None = None,
+    ) -> SurfaceMap:
+        """Return the map of an image (h, w, 3) uint8 sRGB that covers an area."""
+        jpeg, px_per_m = jpeg_bytes(image, quality=MAPS.quality), image.shape[1] / area.size[0]
+        return cls(jpeg, area, px_per_m, photo_px_per_m, pattern, split_m)
+
     def facts(self) -> dict[str, Any]:
         """Return what ``maps.json`` says about it."""
         named: dict[str, Any] = {"pattern": self.pattern} if self.pattern else {}
@@ -452,8 +465,8 @@ def house_maps(
     house: House,
     tiles: Mapping[SurfaceKey, Tile],
     materials: Mapping[SurfaceKey, str],
-    patterns: Mapping[SurfaceKey, LaidPattern] | None = None,
-    bands: Mapping[SurfaceKey, Bands] | None = None,
+    patterns: Mapping[SurfaceKey, LaidPattern],
+    bands: Mapping[SurfaceKey, Bands],
     *,
     seed: int,
 ) -> dict[SurfaceKey, SurfaceMap]:
@@ -468,9 +481,9 @@ def house_maps(
     tiles : mapping of SurfaceKey to Tile
     materials : mapping of SurfaceKey to str
         Name of what a surface shares with other rooms, or empty.
-    patterns : mapping of SurfaceKey to LaidPattern, optional
+    patterns : mapping of SurfaceKey to LaidPattern
         Floors that are laid from whole units, or get joints alone (:func:`patterns_of_floors`).
-    bands : mapping of SurfaceKey to Bands, optional
+    bands : mapping of SurfaceKey to Bands
         Walls of two materials.
     seed : int
         Patches are drawn by (seed, house, room, surface).
@@ -485,25 +498,23 @@ def house_maps(
     details: dict[int, Detail] = {}
     floors = [surface for surface in surfaces if surface.key.surface == "floor"]
     everywhere = reduce(Area.union, (floor.area for floor in floors)) if floors else None
-    known = patterns or {}
     for surface in floors:
-        if surface.key in known and known[surface.key].units:
-            maps[surface.key] = _laid(surface, known[surface.key], seed, everywhere)
+        if surface.key in patterns and patterns[surface.key].units:
+            maps[surface.key] = _laid(surface, patterns[surface.key], seed, everywhere)
     for surface in surfaces:
-        if surface.key in (bands or {}):
+        if surface.key in bands:
             rng = generator(seed, "maps", house.id, *surface.key)
             top = house.room(surface.key.room_id).height
-            maps[surface.key] = _banded(surface, (bands or {})[surface.key], top, details, rng)
+            maps[surface.key] = _banded(surface, bands[surface.key], top, details, rng)
     for group in joined(surface for surface in surfaces if surface.key not in maps):
         detail = _detail(group[0].tile, details)
         rng = generator(seed, "maps", house.id, *group[0].key)
         for key, image, area, resolved in _images(group, detail, rng):
             words = ""
-            if key in known:
-                image, area = with_joints(known[key], image, area, everywhere)
-                words = known[key].words
-            made = jpeg_bytes(image, quality=MAPS.quality), area, image.shape[1] / area.size[0]
-            maps[key] = SurfaceMap(*made, resolved, words)
+            if key in patterns:
+                image, area = with_joints(patterns[key], image, area, everywhere)
+                words = patterns[key].words
+            maps[key] = SurfaceMap.of(image, area, resolved, words)
     pixels = sum(m.area.square_m * m.px_per_m**2 for m in maps.values())
     _log = logging.getLogger("plan2scene")
     _log.info("house %s: %d surface maps, %.1f Mpx", house.id, len(maps), pixels / 1e6)
@@ -549,8 +560,7 @@ def _laid(
     colour = median_colour(surface.tile.image)
     image, area = laid(pattern, surface.area, colour, seed, whole)
     image = _fitting(recoloured(image, colour, median_colour(image[::3, ::3])))
-    made = jpeg_bytes(image, quality=MAPS.quality), area, image.shape[1] / area.size[0]
-    return SurfaceMap(*made, min(PX_PER_M, made[2]), pattern.words)
+    return SurfaceMap.of(image, area, min(PX_PER_M, image.shape[1] / area.size[0]), pattern.words)
 
 
 def _banded(
@@ -574,8 +584,7 @@ def _banded(
     row = min(max(row, 0), size[1])
     image[row:] = below[row:]
     words = f"two bands, parted at {100 * bands.split_m:.0f} cm"
-    made = jpeg_bytes(image, quality=MAPS.quality), area, size[0] / area.size[0], resolved
-    return SurfaceMap(*made, words, bands.split_m)
+    return SurfaceMap.of(image, area, resolved, words, bands.split_m)
 
 
 def joined(surfaces: Iterable[MappedSurface]) -> list[list[MappedSurface]]:

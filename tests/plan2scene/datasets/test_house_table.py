@@ -1,6 +1,6 @@
 import pytest
 
-from plan2scene.config import check_official
+from plan2scene.config import check_checkpoints
 from plan2scene.datasets.house_table import TableRow, photo_paths, read_table
 from plan2scene.errors import InputError
 
@@ -42,10 +42,11 @@ def test_official_weights_need_their_checkpoints(tmp_path):
     there = tmp_path / "a.ckpt"
     there.write_bytes(b"")
     given = {"texture": str(there), "propagation": str(there), "naivesynth": None}
-    check_official({"weights": "official", "official": given})
-    check_official({"weights": "embedded", "official": {"texture": None, "propagation": None}})
+    config = {"metrics": {"vgg16": None, "inception": None}, "weights": "official"}
+    check_checkpoints(config | {"official": given})
+    check_checkpoints(config | {"weights": "embedded"})
     for name in ("texture", "propagation"):
         with pytest.raises(InputError, match=f"a path for official.{name}, found null"):
-            check_official({"weights": "official", "official": given | {name: None}})
+            check_checkpoints(config | {"official": given | {name: None}})
     with pytest.raises(InputError, match=r"official\.naivesynth\), found no such file"):
-        check_official({"weights": "official", "official": given | {"naivesynth": "no.ckpt"}})
+        check_checkpoints(config | {"official": given | {"naivesynth": "no.ckpt"}})

@@ -112,7 +112,7 @@ def test_maps_of_a_house_cover_its_faces_in_the_tiles_colours(rug, gap_house, tm
     keys = gap_house.surface_keys()
     red = np.clip(rug.image * [1.3, 0.7, 0.7], 0, 255).astype(np.uint8)
     tiles = {key: tile_of(rug, red if key.room_id == "b" else None) for key in keys}
-    maps = house_maps(gap_house, tiles, {}, seed=1)
+    maps = house_maps(gap_house, tiles, {}, {}, {}, seed=1)
     assert set(maps) == set(keys)
     parts = build_parts(gap_house)
     for key in keys:
@@ -128,12 +128,12 @@ def test_maps_of_a_house_cover_its_faces_in_the_tiles_colours(rug, gap_house, tm
             assert turns.min() > 0 and turns.max() < 1
     floor = SurfaceKey("a", "floor")
     grid = LaidPattern("tiles", 0.4, 0.4, 0.0, 0.0, np.ones(3), 0.02, [])
-    tiled = house_maps(gap_house, tiles, {}, {floor: grid}, seed=1)
+    tiled = house_maps(gap_house, tiles, {}, {floor: grid}, {}, seed=1)
     dark = [(image_from_bytes(m[floor].jpeg).max(axis=2) < 40).mean() for m in (maps, tiled)]
     assert tiled[floor].pattern == grid.words and dark[1] > dark[0] + 0.04
-    again = house_maps(gap_house, tiles, {}, seed=1)
+    again = house_maps(gap_house, tiles, {}, {}, {}, seed=1)
     assert again[keys[0]].jpeg == maps[keys[0]].jpeg
-    assert house_maps(gap_house, tiles, {}, seed=2)[keys[0]].jpeg != maps[keys[0]].jpeg
+    assert house_maps(gap_house, tiles, {}, {}, {}, seed=2)[keys[0]].jpeg != maps[keys[0]].jpeg
 
 
 class _Known:
@@ -148,7 +148,7 @@ class _Known:
 def test_a_material_runs_on_through_a_door(rug, gap_house) -> None:
     tiles = {key: tile_of(rug) for key in gap_house.surface_keys()}
     floors = [SurfaceKey("a", "floor"), SurfaceKey("b", "floor")]
-    maps = house_maps(gap_house, tiles, dict.fromkeys(floors, "floor-1"), seed=0)
+    maps = house_maps(gap_house, tiles, dict.fromkeys(floors, "floor-1"), {}, {}, seed=0)
     left, right = (maps[key] for key in floors)
     # Where both maps cover the threshold they show the same.
     scale = left.px_per_m
@@ -167,7 +167,7 @@ def test_a_wall_in_bands_has_two_materials_that_meet_at_their_height(gap_house):
         for colour in ((220, 215, 200), (90, 130, 140))
     )
     bands = {key: Bands(1.2, upper, lower)}
-    whole = house_maps(gap_house, {key: upper}, {}, bands=bands, seed=0)[key]
+    whole = house_maps(gap_house, {key: upper}, {}, {}, bands, seed=0)[key]
     image = image_from_bytes(whole.jpeg).astype(int)
     # Texture coordinates of walls run down from the room's height.
     height = gap_house.room("a").height - whole.area.low[1]

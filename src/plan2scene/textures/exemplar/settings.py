@@ -13,14 +13,12 @@ class ExemplarSettings:
     """
 
     # Which crops show the surface, and sharply.
-    alike_de: float = (
-        20.0  #: CIEDE2000 beyond which crops are of different things; light gives less
-    )
+    #: CIEDE2000 beyond which crops are of different things; light gives less
+    alike_de: float = 20.0
     least_sharp: float = 0.2  #: photo pixels per crop pixel under which a crop shows no texture
     most_spoiled: float = 0.5  #: share of clipped pixels from which on a crop is useless
-    few_octaves: float = (
-        1.0  #: crops blurred by more than this against the better ones are left out
-    )
+    #: crops blurred by more than this against the better ones are left out
+    few_octaves: float = 1.0
     enough_sharp: int = 3  #: where so many are sharper
     max_crops: int = 10  #: that take part, the best first
     # What counts against a crop, in standard deviations of the log light that was taken out of it.
@@ -28,9 +26,8 @@ class ExemplarSettings:
     faint: float = 0.2  #: a pattern e times fainter than the better ones
     odd: float = 0.5  #: things e times stronger than a plain surface's pattern
     # The tile.
-    work_px: int = (
-        128  #: side of the torus for tiles of up to this size; larger ones: twice as much
-    )
+    #: side of the torus for tiles of up to this size; larger ones: twice as much
+    work_px: int = 128
     largest: float = 2.0  #: side of the tile over the side of a crop
     smallest_px: int = 32  #: crops that fill less of the tile only make seams
     # The direction in which a pattern runs.

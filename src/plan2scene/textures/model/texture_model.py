@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
@@ -339,11 +339,6 @@ def load_texture_model(path: str | Path) -> TextureModel:
         )
     name = "a texture model of this architecture"
     return filled(lambda: TextureModel(Architecture(**architecture)), state, name, path)
-
-
-def architecture_header(model: TextureModel) -> dict[str, int | bool | str]:
-    """Return what :func:`plan2scene.weights.save_model_file` stores of a model."""
-    return asdict(model.architecture)
 
 
 #: Textures decoded at once hold about this many pixels (bounds memory at any size).

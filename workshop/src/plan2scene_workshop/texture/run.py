@@ -16,7 +16,6 @@ from plan2scene.textures.model.embedding import embed_crops
 from plan2scene.textures.model.texture_model import (
     Architecture,
     TextureModel,
-    architecture_header,
     decode_textures,
     low_precision_is_fast,
 )
@@ -77,7 +76,7 @@ def train_texture(
     )
     model = trained.network.cpu()
     model.decoder.low_precision = False
-    save_model_file(output, model.state_dict(), architecture_header(model))
+    save_model_file(output, model.state_dict(), asdict(model.architecture))
     figures = {kind: measure(model, group, seed) for kind, group in held_out.items()}
     head = ["held-out textures", "n", *next(iter(figures.values()))]
     rows = {kind: [len(held_out[kind]), *found.values()] for kind, found in figures.items()}
