@@ -56,10 +56,10 @@ def to_small_srgb(image: Image.Image, side: int) -> np.ndarray:
     of pixels, scans in black and white or by a palette as greys and colours, before anything else
     is made of them. ValueError for other modes.
     """
-    orientation = _orientation(image)
     longer = max(image.size)
     image.draft(None, (max(1, image.width * side // longer), max(1, image.height * side // longer)))
-    image.load()
+    image.load()  # which turns a TIFF upright
+    orientation = _orientation(image)
     factor = max(1, max(image.size) // (2 * side))
     if factor == 1:
         return _srgb(image, orientation)

@@ -237,6 +237,18 @@ def test_odd_but_whole_images_give_the_pixels_that_were_drawn(tmp_path: Path, na
     assert error.max() <= tolerance, name
 
 
+@pytest.mark.parametrize("form", ["JPEG", "PNG", "TIFF", "WEBP"])
+def test_a_reduced_image_is_upright(form: str) -> None:
+    exif = Image.Exif()
+    exif[0x0112] = 6
+    stored = Image.fromarray(np.rot90(drawn())).resize((320, 480), Image.Resampling.NEAREST)
+    with Image.open(io.BytesIO(saved(stored, form, exif=exif))) as image:
+        found = images.to_small_srgb(image, 48)
+    rows, columns = found.shape[0] // 4, found.shape[1] // 4
+    corners = found[[rows, rows, -rows, -rows], [columns, -columns, columns, -columns]]
+    assert np.abs(corners.astype(int) - QUARTERS).max() < 12
+
+
 def wrong_checksum(kind: bytes) -> bytes:
     whole = bytearray(saved(rgb(), "PNG"))
     place = whole.index(kind)
