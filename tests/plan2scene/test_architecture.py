@@ -1,11 +1,12 @@
 """The import contract, read from the sources: arrows go down only, nothing imports the workshop."""
 
-import ast
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
+
+from plan2scene.provenance import imports
 
 CLONE = Path(__file__).parents[2]
 LIBRARY = CLONE / "src" / "plan2scene"
@@ -31,45 +32,15 @@ def sources(package: Path) -> dict[str, Path]:
     return found
 
 
-def imports(path: Path, *, at_import_time: bool) -> Iterator[tuple[str, str]]:
-    """Yield ``("a.b", "")`` for ``import a.b``, ``("a.b", "c")`` for ``from a.b import c``.
-
-    With `at_import_time` not those inside functions and under ``if TYPE_CHECKING``.
-    """
-    queue: list[ast.AST] = [ast.parse(path.read_text(encoding="utf-8"))]
-    while queue:
-        node = queue.pop()
-        if isinstance(node, ast.Import):
-            yield from ((alias.name, "") for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            assert not node.level, f"{path}: a relative import"
-            yield from ((str(node.module), alias.name) for alias in node.names)
-        elif not (at_import_time and is_late(node)):
-            queue.extend(ast.iter_child_nodes(node))
-
-
-def is_late(node: ast.AST) -> bool:
-    """Return whether what is inside is not run when the module is imported."""
-    if isinstance(node, ast.If):
-        return "TYPE_CHECKING" in ast.dump(node.test)
-    return isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
-
-
 def imported_packages(path: Path) -> set[str]:
     """Return the first names of all that a source file imports, anywhere in it."""
-    return {module.split(".")[0] for module, _ in imports(path, at_import_time=False)}
+    return {name.split(".")[0] for name in imports(path)}
 
 
-def graph(package: Path, *, at_import_time: bool) -> dict[str, set[str]]:
-    """Return who imports whom among a package's modules."""
+def graph(package: Path) -> dict[str, set[str]]:
+    """Return who imports whom among a package's modules, inside functions too."""
     modules = sources(package)
-    found: dict[str, set[str]] = {name: set() for name in modules}
-    for name, path in modules.items():
-        for module, what in imports(path, at_import_time=at_import_time):
-            target = f"{module}.{what}" if f"{module}.{what}" in modules else module
-            if target in modules and target != name:
-                found[name].add(target)
-    return found
+    return {name: (imports(path) & modules.keys()) - {name} for name, path in modules.items()}
 
 
 def between_packages(modules: Mapping[str, set[str]]) -> dict[str, set[str]]:
@@ -108,15 +79,14 @@ def test_core_imports_no_app():
 
 @pytest.mark.parametrize("package", [LIBRARY, APP, WORKSHOP], ids=lambda path: path.name)
 def test_no_cycle(package):
-    assert cycle(graph(package, at_import_time=True)) == []
-    assert cycle(between_packages(graph(package, at_import_time=False))) == []
+    assert cycle(between_packages(graph(package))) == []
 
 
 def test_arrows_go_down_only():
     layer = {name: i for i, names in enumerate(LAYERS, start=1) for name in names}
     folders = {path.name for path in LIBRARY.iterdir() if (path / "__init__.py").is_file()}
     assert folders == layer.keys() - {"config"}
-    parts = between_packages(graph(LIBRARY, at_import_time=False))
+    parts = between_packages(graph(LIBRARY))
     wrong = [
         f"{a} imports {b}"
         for a, targets in parts.items()

@@ -1,21 +1,17 @@
 """A SLURM of this machine alone, on loopback, in a temporary folder.
 
-    python tests/slurm/cluster.py snakemake --profile profiles/slurm all
-
-starts munged, slurmctld and a slurmd for each node, runs the command with it and takes it all down.
-Wants root and the programs of Debian's slurm-wlm; nothing outside the folder is touched.
+munged, slurmctld and a slurmd for each node are started and taken down again. Wants root and the
+programs of Debian's slurm-wlm; nothing outside the folder is touched.
 """
 
 from __future__ import annotations
 
-import argparse
 import os
 import secrets
 import shutil
 import signal
 import socket
 import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Iterator
@@ -207,22 +203,3 @@ def cluster(
             yield made
         finally:
             made.stop()
-
-
-def main() -> None:
-    """Run a command with a cluster beside it; its exit code is the command's."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--nodes", type=int, default=1)
-    parser.add_argument("--cpus", type=int, default=os.cpu_count(), help="of each node")
-    parser.add_argument("--memory", type=int, default=16000, help="of each node, MB")
-    parser.add_argument("command", nargs=argparse.REMAINDER)
-    options = parser.parse_args()
-    if missing():
-        sys.exit(missing())
-    with cluster(nodes=options.nodes, cpus=options.cpus, memory=options.memory) as made:
-        done = subprocess.run(options.command, env=made.environment, check=False)
-    sys.exit(done.returncode)
-
-
-if __name__ == "__main__":
-    main()

@@ -12,7 +12,7 @@ a doubtful one stays alone.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -69,8 +69,8 @@ class SeenSurface:
     code: np.ndarray
     colour: np.ndarray
     crops: int
-    doubt: np.ndarray = field(default_factory=lambda: np.zeros(_CODE))
-    photos: int = 1
+    doubt: np.ndarray
+    photos: int
 
 
 def find_materials(

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -154,21 +154,14 @@ class Source:
     valid: np.ndarray
 
 
-@dataclass(eq=False)
 class Canvas:
-    """A torus that patches are laid on."""
+    """A torus of `size` px that patches are laid on."""
 
-    size: int
-    image: np.ndarray = field(init=False)  #: (s, s, 3) float32
-    filled: np.ndarray = field(init=False)  #: (s, s) bool
-    #: (s, s, 3) float32, gradient from each pixel to its lower neighbour
-    down: np.ndarray = field(init=False)
-    right: np.ndarray = field(init=False)  #: to its right neighbour
-
-    def __post_init__(self) -> None:
-        shape = (self.size, self.size)
-        self.image = np.zeros((*shape, 3), np.float32)
-        self.filled = np.zeros(shape, bool)
+    def __init__(self, size: int) -> None:
+        self.size = size
+        self.image = np.zeros((size, size, 3), np.float32)
+        self.filled = np.zeros((size, size), bool)
+        #: Gradients from each pixel to its lower and to its right neighbour
         self.down, self.right = np.zeros_like(self.image), np.zeros_like(self.image)
 
     def laid(self, source: Source, offset: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:

@@ -14,12 +14,11 @@ from plan2scene.checkpoints.means import training_means
 from plan2scene.checkpoints.reading import read_checkpoint
 from plan2scene.errors import InputError
 from plan2scene.house import ROOM_TYPES, SURFACES
-from plan2scene.metrics.networks import load_network
 from plan2scene.metrics.vgg import VggClassifier
 from plan2scene.propagation.graph_networks import PropagationNetwork, load_propagation
 from plan2scene.propagation.type_means import TypeMeans
 from plan2scene.textures.model.texture_model import Architecture, TextureModel, load_texture_model
-from plan2scene.weights import load_model_file, save_model_file
+from plan2scene.weights import load_model_file
 from plan2scene_workshop.homes.floorplans import generate_house
 
 SIGNED = {  # (channel, row, column): 2 RGB - 1
@@ -162,24 +161,15 @@ def test_converted_propagation_is_the_network_that_was_given(means, tmp_path):
         convert_checkpoint("propagation", path, tmp_path / "o")
 
 
-def test_classifier_round_trip(tmp_path):
-    torch.manual_seed(3)
-    small = VggClassifier(divisor=64).eval()
-    save_model_file(
-        tmp_path / "vgg", small.state_dict(), {"network": "vgg16", "divisor": 64}, half=False
-    )
-    images = 255.0 * torch.rand(2, 3, 128, 128)
-    with torch.no_grad():
-        logits = load_network(tmp_path / "vgg", "vgg16")(images)
-        np.testing.assert_allclose(logits, small(images), atol=1e-6)
-    assert logits.shape == (2, 4)
+def test_the_classifier_is_that_of_released_checkpoints(tmp_path):
     with torch.device("meta"):
         shapes = {k: tuple(v.shape) for k, v in VggClassifier().state_dict().items()}
     assert len(shapes) == 32
     assert shapes["features.28.weight"] == (512, 512, 3, 3)
     assert shapes["classifier.0.weight"] == (4096, 25088)
     assert shapes["classifier.6.weight"] == (4, 4096)
-    torch.save({"model_params": {}, "model_state_dict": small.state_dict()}, tmp_path / "c")
+    small = VggClassifier(divisor=64).state_dict()
+    torch.save({"model_params": {}, "model_state_dict": small}, tmp_path / "c")
     with pytest.raises(InputError, match=r"shape \(64, 3, 3, 3\) of tensor features\.0\.weight"):
         convert_checkpoint("vgg16", tmp_path / "c", tmp_path / "o")
 

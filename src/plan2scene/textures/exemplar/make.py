@@ -134,6 +134,7 @@ class Pattern:
     size_m: float  #: NaN when no crop knows its scale
     lattices: list[CropLattice]
     cut: Cut
+    work_px: int  #: side of the torus that its tile is quilted on
     #: what the only crop was made of, which showed no whole period
     completed: ExemplarCrop | None = None
 
@@ -159,8 +160,8 @@ def find_surface(
     size_px: int,
     tone: np.ndarray | None = None,
     plain: bool = False,
-) -> tuple[Pattern, int] | None:
-    """Return the pattern of the surface that `crops` show, and the side of its torus in pixels.
+) -> Pattern | None:
+    """Return the pattern of the surface that `crops` show.
 
     None when all crops are too poor. Parameters as of :func:`make_exemplar`.
     """
@@ -168,28 +169,26 @@ def find_surface(
     if not good:
         return None
     good = sharper(alike(good, tone))
-    pattern, work = _pattern(good, size_px, plain=plain)
+    pattern = _pattern(good, size_px, plain=plain)
     turned = zip(pattern.crops, pattern.turned, strict=True)
     images = [np.rot90(crop.image) if turn else crop.image for crop, turn in turned]
     corner = completed(images, pattern.flat, pattern.lattices, pattern.order, pattern.sides)
     if corner is None or not np.isfinite(pattern.size_m):
-        return pattern, work
+        return pattern
     own = pattern.crops[corner.crop]
     size_m = corner.side * pattern.size_m
     image = cv2.resize(corner.image, own.image.shape[1::-1], interpolation=cv2.INTER_AREA)
     sharpness = own.sharpness * size_m / own.size_m
     whole = ExemplarCrop(image, size_m, sharpness, jpeg_bytes(corner.image, quality=95))
-    pattern, work = _pattern([whole], size_px)
+    pattern = _pattern([whole], size_px)
     period = 2.0 / EXEMPLAR.squares
     lattice = CropLattice(0.0, True, (period * image.shape[1],) * 2, (1.0, 1.0))
     cut = Cut(*whole_periods((period * float(pattern.sides[0]),) * 2))
-    return replace(pattern, completed=own, lattices=[lattice], cut=cut), work
+    return replace(pattern, completed=own, lattices=[lattice], cut=cut)
 
 
-def _pattern(
-    good: Sequence[ExemplarCrop], size_px: int, *, plain: bool = False
-) -> tuple[Pattern, int]:
-    """Return the pattern of good crops, and the side of its torus in pixels."""
+def _pattern(good: Sequence[ExemplarCrop], size_px: int, *, plain: bool = False) -> Pattern:
+    """Return the pattern of good crops."""
     work = work_size(size_px, len(good))
     flat, masks, colour, faults = _evened(good)
     luma = log_luma(flat)
@@ -209,8 +208,8 @@ def _pattern(
     large = [k for k in order if fits[k] and sides[k] * work >= EXEMPLAR.smallest_px]
     order = large or [int(sides.argmax())]
     return Pattern(
-        list(good), flat, masks, turned, colour, order, sides, size_m, lattices, cut
-    ), work
+        list(good), flat, masks, turned, colour, order, sides, size_m, lattices, cut, work
+    )
 
 
 def make_exemplar(
@@ -227,10 +226,10 @@ def make_exemplar(
     `plain`: the surface is known to have no spots of its own, as plaster: small things on it,
     outlets and switches, are left out. Nothing is drawn: same crops and size, same bytes.
     """
-    known = find_surface(crops, size_px=size_px, tone=tone, plain=plain)
-    if known is None:
+    pattern = find_surface(crops, size_px=size_px, tone=tone, plain=plain)
+    if pattern is None:
         return None
-    pattern, work = known
+    work = pattern.work_px
     used = pattern.used if pattern.completed is None else [pattern.completed]
     sources = [pattern.source(k, work) for k in pattern.order[: EXEMPLAR.max_crops]]
     canvas = quilt(sources, work, (pattern.cut.columns, pattern.cut.rows))
