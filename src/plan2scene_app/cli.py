@@ -393,8 +393,7 @@ def compare(prediction: Path, reference: Path) -> None:
 
     pair = [metric_image(read_image(path)) for path in (prediction, reference)]
     first, second = substances_of(MODELS / "features.safetensors", pair)
-    figures = {name: float(value) for name, value in image_metrics(*pair).items()}
-    print(json.dumps({**figures, "subs": int(first != second)}))
+    print(json.dumps({**image_metrics(*pair), "subs": int(first != second)}))
 
 
 @app.command("convert-checkpoint")

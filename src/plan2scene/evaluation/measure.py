@@ -12,7 +12,7 @@ import numpy as np
 from plan2scene.errors import InputError
 from plan2scene.evaluation.references import References, reference_images
 from plan2scene.house import SUBSTANCES, SurfaceKey
-from plan2scene.images import METRIC_SIZE, image_from_bytes, metric_image, read_image
+from plan2scene.images import image_from_bytes, metric_image, read_image
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.mesh.texture_files import texture_index
 from plan2scene.metrics.networks import describe, features_of, network_name
@@ -165,14 +165,12 @@ def _measure(
 ) -> dict[str, object]:
     """Return the metric columns of paired (128, 128, 3) uint8 images."""
     count = len(predictions)
-    shape = (-1, METRIC_SIZE, METRIC_SIZE, 3)
-    predicted = np.array(predictions, dtype=np.uint8).reshape(shape)
-    wanted = np.array(references, dtype=np.uint8).reshape(shape)
     if not count:
         return {name: [] for name in COLUMNS[6:]}
     features, classes = describe(networks.features, networks.substances, predictions, references)
+    figures = [image_metrics(*pair) for pair in zip(predictions, references, strict=True)]
     return {
-        **image_metrics(predicted, wanted),
+        **{name: [row[name] for row in figures] for name in IMAGE_COLUMNS},
         "subs": (classes[:count] != classes[count:]).astype(np.int64),
         "substance_predicted": [SUBSTANCES[c] for c in classes[:count]],
         "substance_reference": [SUBSTANCES[c] for c in classes[count:]],

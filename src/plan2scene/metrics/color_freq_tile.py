@@ -11,7 +11,6 @@ Spectra of real images are kept as their first half (``rfft2``): the other half 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cache
 
 import cv2
@@ -26,26 +25,16 @@ _BINS = 90  #: Bins of the histogram
 _TILE_SIGMA = 21.0  #: Standard deviation in frequency samples of TILE's window
 
 
-def over_images(
-    measure: Callable[[np.ndarray], np.ndarray | np.float64], images: np.ndarray
-) -> np.ndarray:
-    """Return `measure` of each of (..., s, s, 3) uint8 sRGB images, shape (..., *its result's).
-
-    One image after another: one fits the processor's cache, a batch does not. ValueError for
-    images of another kind.
-    """
-    array = np.asarray(images)
-    if array.dtype != np.uint8 or array.ndim < 3 or array.shape[-1] != 3:
-        raise ValueError(f"expected (..., s, s, 3) uint8 sRGB, found {array.shape} {array.dtype}")
-    if array.shape[-2] != array.shape[-3]:
-        raise ValueError(f"expected square images, found {array.shape}")
-    flat = array.reshape(-1, *array.shape[-3:])
-    results = np.array([measure(image) for image in flat])
-    return results.reshape((*array.shape[:-3], *results.shape[1:]))[()]
+def _checked(*images: np.ndarray) -> None:
+    """Raise ValueError for what are no square (s, s, 3) uint8 images of one size."""
+    for image in images:
+        if image.dtype != np.uint8 or image.shape != (len(images[0]), len(images[0]), 3):
+            found = f"{image.shape} {image.dtype}"
+            raise ValueError(f"expected (s, s, 3) uint8 sRGB of one size, found {found}")
 
 
 def grey(image: np.ndarray) -> np.ndarray:
-    """Return (..., h, w) float64 luma 0..255 of (..., h, w, 3) uint8 sRGB.
+    """Return (h, w) float64 luma 0..255 of an (h, w, 3) uint8 sRGB image.
 
     Rounded to integers with Pillow's fixed-point weights (ITU-R BT.601), as the reference does:
     the third decimal of FREQ depends on it.
@@ -55,8 +44,8 @@ def grey(image: np.ndarray) -> np.ndarray:
     return np.floor(luma + np.float32(0.5)).astype(np.float64).reshape(image.shape[:-1])
 
 
-def _histogram(image: np.ndarray) -> np.ndarray:
-    """Return the (90,) int64 histogram of one (h, w, 3) uint8 image."""
+def color_histogram(image: np.ndarray) -> np.ndarray:
+    """Return the (90,) int64 HSL histogram of an (h, w, 3) uint8 sRGB image."""
     red, green, blue = (plane.ravel() / 255.0 for plane in cv2.split(image))
     top = np.maximum(np.maximum(red, green), blue)
     bottom = np.minimum(np.minimum(red, green), blue)
@@ -79,18 +68,14 @@ def _histogram(image: np.ndarray) -> np.ndarray:
     return np.bincount(bins, minlength=_BINS)
 
 
-def color_histogram(images: np.ndarray) -> np.ndarray:
-    """Return (..., 90) int64 HSL histograms of (..., s, s, 3) uint8 sRGB images."""
-    return over_images(_histogram, images)
-
-
-def color_distance(predictions: np.ndarray, references: np.ndarray) -> np.ndarray:
-    """Return COLOR (...) in [0, 1] of pairs of (..., s, s, 3) uint8 sRGB images; 0 is best.
+def color_distance(prediction: np.ndarray, reference: np.ndarray) -> float:
+    """Return COLOR in [0, 1] of two (s, s, 3) uint8 sRGB images; 0 is best.
 
     L1 difference of the HSL histograms over twice the number of pixels.
     """
-    first, second = color_histogram(np.stack([predictions, references]))
-    return np.abs(first - second).sum(axis=-1) / (2 * first.sum(axis=-1))
+    _checked(prediction, reference)
+    first, second = color_histogram(prediction), color_histogram(reference)
+    return float(np.abs(first - second).sum() / (2 * first.sum()))
 
 
 @cache
@@ -128,27 +113,26 @@ def _rings(size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return radius, counts, np.bincount(radius, weights=counts)
 
 
-def _periodic(image: np.ndarray) -> np.ndarray:
-    """Return :func:`periodic_component` of one (s, s) float64 image."""
+def periodic_component(image: np.ndarray) -> np.ndarray:
+    """Return the periodic component of an (s, s) float64 image (Moisan 2011).
+
+    The image minus the smooth image that carries the jumps between opposite borders.
+    """
     rows, columns = _border_factors(len(image))
     smooth = rows * fft.rfft(image[-1] - image[0])
     smooth += columns * fft.fft(image[:, -1] - image[:, 0])[:, None]
     return image - fft.irfft2(smooth, s=image.shape, overwrite_x=True)
 
 
-def periodic_component(images: np.ndarray) -> np.ndarray:
-    """Return the periodic component of (..., s, s) float images (Moisan 2011), float64.
+def frequency_profile(image: np.ndarray) -> np.ndarray:
+    """Return (s // 2,) mean spectral amplitudes by integer radius of an (s, s, 3) uint8 image.
 
-    The image minus the smooth image that carries the jumps between opposite borders.
+    Grey values 0..255, amplitude over the number of pixels, the zero frequency set to 0. The
+    periodic component's magnitude is taken and transformed in float32, as the reference does; it
+    differs from the component itself only where that overshoots below 0.
     """
-    flat = np.asarray(images, dtype=np.float64).reshape(-1, *images.shape[-2:])
-    return np.stack([_periodic(image) for image in flat]).reshape(images.shape)
-
-
-def _profile(image: np.ndarray) -> np.ndarray:
-    """Return the (s // 2,) profile of one (s, s, 3) uint8 image."""
     size = len(image)
-    component = np.abs(_periodic(grey(image))).astype(np.float32)
+    component = np.abs(periodic_component(grey(image))).astype(np.float32)
     # numpy's transform, as in the reference: in float32 its rounding shows in the tenth digit.
     amplitude = np.abs(np.fft.rfft2(component)) / size**2
     radius, counts, sizes = _rings(size)
@@ -158,23 +142,13 @@ def _profile(image: np.ndarray) -> np.ndarray:
     return profile
 
 
-def frequency_profile(images: np.ndarray) -> np.ndarray:
-    """Return (..., s // 2) mean spectral amplitudes by integer radius of (..., s, s, 3) uint8.
-
-    Grey values 0..255, amplitude over the number of pixels, the zero frequency set to 0. The
-    periodic component's magnitude is taken and transformed in float32, as the reference does; it
-    differs from the component itself only where that overshoots below 0.
-    """
-    return over_images(_profile, images)
-
-
-def freq_distance(predictions: np.ndarray, references: np.ndarray) -> np.ndarray:
-    """Return FREQ (...) of pairs of (..., s, s, 3) uint8 sRGB images; 0 is best.
+def freq_distance(prediction: np.ndarray, reference: np.ndarray) -> float:
+    """Return FREQ of two (s, s, 3) uint8 sRGB images; 0 is best.
 
     The mean absolute difference of their frequency profiles.
     """
-    first, second = frequency_profile(np.stack([predictions, references]))
-    return np.abs(first - second).mean(axis=-1)
+    _checked(prediction, reference)
+    return float(np.abs(frequency_profile(prediction) - frequency_profile(reference)).mean())
 
 
 @cache
@@ -207,14 +181,10 @@ def _half_weights() -> np.ndarray:
     return np.repeat(weights.ravel(), 2)
 
 
-def _score(image: np.ndarray) -> np.float64:
-    """Return the TILE score of one (128, 128, 3) uint8 image."""
+def tile_score(image: np.ndarray) -> float:
+    """Return TILE of a (128, 128, 3) uint8 sRGB image; 0 is best."""
+    _checked(image)
+    if len(image) != METRIC_SIZE:
+        raise ValueError(f"expected {METRIC_SIZE} px images, found {len(image)} px")
     parts = fft.rfft2(grey(image)).view(np.float64).ravel()
-    return np.sqrt((parts * parts) @ _half_weights())
-
-
-def tile_score(images: np.ndarray) -> np.ndarray:
-    """Return TILE (...) of (..., 128, 128, 3) uint8 sRGB images; 0 is best."""
-    if np.shape(images)[-2] != METRIC_SIZE:
-        raise ValueError(f"expected {METRIC_SIZE} px images, found {np.shape(images)[-2]} px")
-    return over_images(_score, images)
+    return float(np.sqrt((parts * parts) @ _half_weights()))

@@ -38,7 +38,7 @@ class SheetRow:
         if self.reference is None:
             return float("nan")
         tile, reference = metric_image(self.tiles[method]), metric_image(self.reference)
-        return float(color_distance(tile, reference))
+        return color_distance(tile, reference)
 
 
 def sheet_rows(textures: Mapping[str, str | Path], crops: str | Path) -> dict[SurfaceKey, SheetRow]:

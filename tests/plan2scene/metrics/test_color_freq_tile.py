@@ -57,15 +57,15 @@ def test_colours_on_an_edge_of_hue_fall_where_the_reference_rounds_them():
         int(np.searchsorted(np.arange(1, 10) / 10, colorsys.rgb_to_hls(*pixel)[0], "right"))
         for pixel in pixels / 255
     ]
-    found = color_histogram(pixels[:, None, None, :]).reshape(-1, 10, 9).sum(axis=-1)
-    assert np.array_equal(found.argmax(axis=1), expected)
+    found = [color_histogram(pixel[None, None]).argmax() // 9 for pixel in pixels]
+    assert found == expected
     assert len(set(expected)) == 10
 
 
 def test_wrong_inputs_are_refused(crops):
     with pytest.raises(ValueError, match="uint8"):
         tile_score(crops[0] / 255.0)
-    with pytest.raises(ValueError, match="same shape"):
+    with pytest.raises(ValueError, match="of one size"):
         color_distance(crops[0], crops[0][:64, :64])
     with pytest.raises(ValueError, match="128 px"):
         tile_score(crops[0][:64, :64])

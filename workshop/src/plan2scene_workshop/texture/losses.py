@@ -63,8 +63,8 @@ def frequency_distance(tiles: torch.Tensor, targets: torch.Tensor) -> torch.Tens
 
 def _periodic_component(images: torch.Tensor) -> torch.Tensor:
     """Return the periodic component of images (n, s, s) (Moisan 2011), without gradients."""
-    found = periodic_component(images.detach().double().cpu().numpy())
-    return torch.from_numpy(found).to(images)
+    grey = images.detach().double().cpu().numpy()
+    return torch.stack([torch.from_numpy(periodic_component(image)) for image in grey]).to(images)
 
 
 def _radial_amplitude(images: torch.Tensor) -> torch.Tensor:
