@@ -136,10 +136,15 @@ def luma() -> tuple[int, ...]:
     return tuple(int(v) for v in np.asarray(rgb().convert("L"))[[0, 0, 16, 16], [0, 24, 0, 24]])
 
 
-def white_last(picture: np.ndarray) -> np.ndarray:
+def filled(picture: np.ndarray, rows: slice | int, columns: slice | int, level: int) -> np.ndarray:
+    """Return a picture with a part of one level."""
     picture = picture.copy()
-    picture[16:, 24:] = 255
+    picture[rows, columns] = level
     return picture
+
+
+def white_last(picture: np.ndarray) -> np.ndarray:
+    return filled(picture, slice(16, None), slice(24, None), 255)
 
 
 def palette_png() -> bytes:
@@ -184,12 +189,6 @@ def png_with(*extra: bytes) -> bytes:
     return whole[:33] + b"".join(extra) + whole[33:]
 
 
-def nan_as_black(picture: np.ndarray) -> np.ndarray:
-    picture = picture.copy()
-    picture[0, 0] = 0
-    return picture
-
-
 #: name: (bytes, expected pixels, largest error per channel)
 WORKS: dict[str, tuple[Callable[[], bytes], Callable[[], np.ndarray], int]] = {
     "rgb.png": (lambda: saved(rgb(), "PNG"), drawn, 0),
@@ -198,8 +197,8 @@ WORKS: dict[str, tuple[Callable[[], bytes], Callable[[], np.ndarray], int]] = {
     "grey16.tif": (lambda: grey16("TIFF"), grey, 0),
     "rgb16.png": (rgb16_png, drawn, 0),
     "int32.tif": (int32_tiff, grey, 0),
-    "float_to_1.tif": (lambda: float_tiff(1.0), lambda: nan_as_black(grey()), 0),
-    "float_to_255.tif": (lambda: float_tiff(255.0), lambda: nan_as_black(grey()), 0),
+    "float_to_1.tif": (lambda: float_tiff(1.0), lambda: filled(grey(), 0, 0, 0), 0),
+    "float_to_255.tif": (lambda: float_tiff(255.0), lambda: filled(grey(), 0, 0, 0), 0),
     "palette_transparent.png": (palette_png, lambda: white_last(drawn()), 0),
     "alpha.png": (lambda: with_alpha("RGBA"), lambda: white_last(drawn()), 0),
     "grey_alpha.png": (lambda: with_alpha("LA"), lambda: white_last(grey(luma())), 0),
