@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
 from plan2scene.errors import InputError
@@ -77,22 +78,16 @@ def _retrieve(inputs: TextureInputs) -> Mapping[SurfaceKey, Tile]:
     return retrieved_tiles(inputs)
 
 
-def _naivesynth(inputs: TextureInputs) -> Mapping[SurfaceKey, Tile]:
+def _decoded(inputs: TextureInputs, name: str) -> Mapping[SurfaceKey, Tile]:
     from plan2scene.textures.decoding import decoded_tiles
 
-    return decoded_tiles(inputs, "naivesynth")
-
-
-def _synth(inputs: TextureInputs) -> Mapping[SurfaceKey, Tile]:
-    from plan2scene.textures.decoding import decoded_tiles
-
-    return decoded_tiles(inputs, "synth")
+    return decoded_tiles(inputs, name)
 
 
 def _synth_large(inputs: TextureInputs) -> Mapping[SurfaceKey, Tile]:
     from plan2scene.textures.decoding import constrained_tiles
 
-    return constrained_tiles(inputs, _synth(inputs))
+    return constrained_tiles(inputs, _decoded(inputs, "synth"))
 
 
 def _exemplar(inputs: TextureInputs) -> Mapping[SurfaceKey, Tile | NoTile]:
@@ -133,7 +128,7 @@ NAIVESYNTH = TextureMethod(
     "naivesynth",
     "decoded from the mean code of its crops by the unmodified model",
     "decoded from the mean of its room type",
-    _naivesynth,
+    partial(_decoded, name="naivesynth"),
     model="naivesynth",
     embedding="naive_embedding",
     seam_correction=True,
@@ -143,7 +138,7 @@ SYNTH = TextureMethod(
     "synth",
     "decoded from the code of its best crop (the paper's)",
     "decoded from the propagated embedding",
-    _synth,
+    partial(_decoded, name="synth"),
     model="texture",
     embedding="embedding",
     seam_correction=True,

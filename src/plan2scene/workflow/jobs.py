@@ -13,7 +13,7 @@ from plan2scene.errors import InputError, one_line_errors
 
 
 @contextmanager
-def job(log: str | Path | None = None) -> Iterator[logging.Logger]:
+def job(log: str | Path) -> Iterator[logging.Logger]:
     """Log to file `log` (and warnings to stderr); an InputError becomes one line and exit code 1.
 
     Control-C ends it without a word (130).
@@ -23,11 +23,10 @@ def job(log: str | Path | None = None) -> Iterator[logging.Logger]:
     """
     logger = logging.getLogger("plan2scene")
     logger.setLevel(logging.INFO)
-    handlers: list[logging.Handler] = [logging.StreamHandler(sys.stderr)]
-    handlers[0].setLevel(logging.WARNING)
-    if log is not None:
-        Path(log).parent.mkdir(parents=True, exist_ok=True)
-        handlers.append(logging.FileHandler(log, mode="w", encoding="utf-8"))
+    Path(log).parent.mkdir(parents=True, exist_ok=True)
+    warnings = logging.StreamHandler(sys.stderr)
+    warnings.setLevel(logging.WARNING)
+    handlers = warnings, logging.FileHandler(log, mode="w", encoding="utf-8")
     for handler in handlers:
         handler.setFormatter(logging.Formatter("%(levelname)s %(message)s"))
         logger.addHandler(handler)
