@@ -169,15 +169,7 @@ def _nearest(
     tone = np.clip(code[-3:], 0.0, 1.0) if surface.tone is None else surface.tone
     alike = [key for key in pool if _substance(surfaces[key], own[key]) == surface.substance]
     if not alike and not surface.observed:
-        made = usual_tile(
-            surface.key,
-            surface.substance,
-            tone,
-            house=inputs.data.files.house_id,
-            seed=inputs.settings.seed,
-            size_px=inputs.settings.size_px,
-        )
-        return replace(made, image=recoloured(made.image, tone))
+        return _usual_tile(inputs, surface, tone)
     pool = alike or [key for key in pool if not _guessed(own[key])]
     if not pool:
         return NoTile(f"no exemplar of a {kind} in the house but completed squares")
@@ -216,19 +208,22 @@ _SEEDS = {"wood": (6, 9, 14), "plaster": (0, 1, 2), "carpet": (0, 1, 2), "tile":
 _SIZE_PX = 256
 
 
-def usual_tile(
-    key: SurfaceKey, substance: str, tone: np.ndarray, *, house: str, seed: int, size_px: int
-) -> Tile:
-    """Return a procedural tile of a substance in about the colour `tone` (3,), sRGB in [0, 1].
+def _usual_tile(inputs: TextureInputs, surface: KnownSurface, tone: np.ndarray) -> Tile:
+    """Return a procedural tile of a surface's substance in the colour `tone` (3,), sRGB in [0, 1].
 
-    All surfaces of one kind and substance in a house get one pattern. `seed` is the global one.
+    All surfaces of one kind and substance in a house get one pattern.
     """
-    kind = (FLOOR_KINDS if key.kind == "floor" else OTHER_KINDS)[substance]
-    seeds = _SEEDS[substance]
-    own = seeds[derive_seed(seed, "usual tile", house, key.kind, substance) % len(seeds)]
+    kind, substance = surface.key.kind, surface.substance
+    house, seeds = inputs.data.files.house_id, _SEEDS[substance]
+    drawn = derive_seed(inputs.settings.seed, "usual tile", house, kind, substance)
     red, green, blue = (int(level) for level in np.round(np.clip(tone, 0.0, 1.0) * 255))
-    colour = red, green, blue
-    made = random_material(substance, own, kind=kind, size_px=_SIZE_PX, colour_rgb=colour)
-    image = with_calm_border(as_uint8(enlarged(made.albedo / 255.0, size_px)))
-    source = f"made up: no exemplar of a {key.kind} of {substance} in the house"
-    return Tile(image, made.size_m, source, tiles_by_construction=True)
+    made = random_material(
+        substance,
+        seeds[drawn % len(seeds)],
+        kind=(FLOOR_KINDS if kind == "floor" else OTHER_KINDS)[substance],
+        size_px=_SIZE_PX,
+        colour_rgb=(red, green, blue),
+    )
+    image = with_calm_border(as_uint8(enlarged(made.albedo / 255.0, inputs.settings.size_px)))
+    source = f"made up: no exemplar of a {kind} of {substance} in the house"
+    return Tile(recoloured(image, tone), made.size_m, source, tiles_by_construction=True)
