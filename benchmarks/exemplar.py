@@ -24,7 +24,7 @@ from exemplar_patterns import pattern_rows
 
 from plan2scene.colour import delta_e_2000, median_colour, rgb_to_lab
 from plan2scene.house import SUBSTANCES
-from plan2scene.materials import load_texture_folder, random_material
+from plan2scene.materials import random_material
 from plan2scene.materials.material import Material
 from plan2scene.metrics.color_freq_tile import color_distance, freq_distance, tile_score
 from plan2scene.seeds import derive_seed
@@ -32,6 +32,7 @@ from plan2scene.textures.exemplar.make import ExemplarCrop, make_exemplar
 from plan2scene.textures.library import generated_library
 from plan2scene.textures.seams import make_seamless, wrap_ratio
 from plan2scene_app.single_tile import CROP_PX, LIBRARY_TILES
+from plan2scene_workshop.rendering.index import textures_of_split
 from plan2scene_workshop.texture.degradation import DegradedCrop, degrade
 
 ROLLS = 8
@@ -43,7 +44,7 @@ FIGURES = ("COLOR", "FREQ", "TILE", "dE2000", "wrap 50 %", "wrap 90 %", "rolled 
 def load_textures(args: argparse.Namespace) -> list[Material]:
     """Return the folder's textures of a split, else procedural ones that no model has seen."""
     if args.textures:
-        return load_texture_folder(args.textures, split=args.split, size_px=CROP_PX)[:: args.every]
+        return textures_of_split(args.textures, args.split, size_px=CROP_PX)[:: args.every]
     return [
         random_material(name, derive_seed(0, "exemplar benchmark", name, k), size_px=CROP_PX)
         for name in SUBSTANCES

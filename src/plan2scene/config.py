@@ -23,20 +23,6 @@ def config_schema() -> dict[str, Any]:
     return schema
 
 
-def shipped_config() -> dict[str, Any]:
-    """Return the configuration of the demo: ``advanced.yaml`` with the keys of ``config.yaml``."""
-    import yaml
-
-    advanced, config = (
-        yaml.safe_load((WORKFLOW / "config" / f"{name}.yaml").read_text(encoding="utf-8"))
-        for name in ("advanced", "config")
-    )
-    sections = {key: value for key, value in config.items() if isinstance(value, dict)}
-    return (
-        advanced | config | {key: advanced.get(key, {}) | value for key, value in sections.items()}
-    )
-
-
 def check_config(config: Mapping[str, Any]) -> None:
     """Raise InputError for a configuration that the schema does not allow: its first fault."""
     from jsonschema import Draft202012Validator

@@ -12,8 +12,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
-from plan2scene.config import shipped_config
 from plan2scene.datasets.assignments import read_assignment
 from plan2scene.datasets.house_table import COLUMNS
 from plan2scene.errors import InputError, WorkflowError
@@ -240,6 +240,20 @@ def _copy_changed(source: Path, target: Path) -> None:
         return
     with atomic_path(target) as temporary:
         shutil.copyfile(source, temporary)
+
+
+def shipped_config() -> dict[str, Any]:
+    """Return the demo's configuration: ``advanced.yaml`` with the keys of ``config.yaml``."""
+    import yaml
+
+    advanced, config = (
+        yaml.safe_load((WORKFLOW / "config" / f"{name}.yaml").read_text(encoding="utf-8"))
+        for name in ("advanced", "config")
+    )
+    sections = {key: value for key, value in config.items() if isinstance(value, dict)}
+    return (
+        advanced | config | {key: advanced.get(key, {}) | value for key, value in sections.items()}
+    )
 
 
 def _write_config(request: SingleHouse, root: Path, work: Path) -> Path:

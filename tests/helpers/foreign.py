@@ -26,7 +26,7 @@ from safetensors.torch import save
 from unscaled_drawings import dxf
 
 from plan2scene.checkpoints.reading import fitted_state, read_checkpoint, state_dict_of
-from plan2scene.config import check_config, shipped_config
+from plan2scene.config import check_config
 from plan2scene.datasets.assignments import read_assignment
 from plan2scene.datasets.drops import read_unobserved
 from plan2scene.datasets.house_table import read_table
@@ -50,6 +50,7 @@ from plan2scene.plans.scene_writer import house_to_scene
 from plan2scene.plans.validate import validate_house
 from plan2scene.stage_json import FORMS, read_stage_json
 from plan2scene.weights import filled, load_model_file, read_model_arrays
+from plan2scene_app.run import shipped_config
 from plan2scene_app.studio.projects import Project
 from plan2scene_app.studio.runs import status
 

@@ -8,6 +8,7 @@ import pytest
 from plan2scene.errors import InputError
 from plan2scene.images import write_png
 from plan2scene.materials import KINDS, load_texture_folder, random_material
+from plan2scene_workshop.rendering.index import textures_of_split
 
 EVERY_KIND = [(substance, kind) for substance in KINDS for kind in KINDS[substance]]
 
@@ -44,7 +45,7 @@ def test_a_given_colour_is_the_mean_colour_of_paint() -> None:
     assert np.allclose(paint.albedo.reshape(-1, 3).mean(0), (200, 180, 160), atol=3)
 
 
-def test_texture_folder_reads_images_and_split(tmp_path: Path) -> None:
+def test_texture_folder_reads_images_of_a_split(tmp_path: Path) -> None:
     for k, substance in enumerate(("wood", "tile")):
         texture = random_material(substance, k, size_px=64)
         write_png(tmp_path / substance / f"{substance}1.png", texture.albedo)
@@ -53,8 +54,8 @@ def test_texture_folder_reads_images_and_split(tmp_path: Path) -> None:
     assert [m.substance for m in textures] == ["wood", "tile"]
     assert all(m.albedo.shape == (256, 256, 3) for m in textures)
     assert max(seam_ratio(m.albedo, 0) for m in textures) <= 1.3  # resized on the torus
-    (only,) = load_texture_folder(tmp_path, "val", size_px=64)
+    (only,) = textures_of_split(tmp_path, "val", size_px=64)
     assert only.name == "scan-tile1"
     assert np.array_equal(only.albedo, random_material("tile", 1, size_px=64).albedo)
-    with pytest.raises(InputError, match="none of split test"):
-        load_texture_folder(tmp_path, "test")
+    with pytest.raises(InputError, match="textures of split test, found none"):
+        textures_of_split(tmp_path, "test")

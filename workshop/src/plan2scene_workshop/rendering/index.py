@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from plan2scene.errors import InputError
+from plan2scene.materials import Material, load_texture_folder
 
 #: Every so-manieth row of an index is kept for other splits than train.
 HELD_OUT_EVERY = 8
@@ -42,3 +43,13 @@ def of_split(rows: Sequence[_Row], *, train: bool) -> list[_Row]:
     """Return the rows that training sees, or (other ones) those of the other splits."""
     held = HELD_OUT_EVERY - 1
     return [row for k, row in enumerate(rows) if (k % HELD_OUT_EVERY != held) == train]
+
+
+def textures_of_split(folder: str | Path, split: str, *, size_px: int = 256) -> list[Material]:
+    """Return the textures of a folder per substance that its index (columns id, split) names."""
+    rows = read_index(folder, "textures", ("id", "split"))
+    names = {f"scan-{row['id']}" for row in rows if row["split"] == split}
+    found = [m for m in load_texture_folder(folder, size_px=size_px) if m.name in names]
+    if not found:
+        raise InputError(f"textures of split {split}", "none", file=folder)
+    return found

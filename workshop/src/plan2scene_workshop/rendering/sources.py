@@ -16,9 +16,14 @@ from numpy.typing import NDArray
 from plan2scene.errors import InputError
 from plan2scene.images import read_image
 from plan2scene.io import safe_join
-from plan2scene.materials import Material, load_texture_folder
+from plan2scene.materials import Material
 from plan2scene.seeds import generator
-from plan2scene_workshop.rendering.index import index_path, of_split, read_index
+from plan2scene_workshop.rendering.index import (
+    index_path,
+    of_split,
+    read_index,
+    textures_of_split,
+)
 from plan2scene_workshop.rendering.lights import PANORAMA_TOP
 from plan2scene_workshop.rendering.models import ModelEntry, read_model_index
 
@@ -81,7 +86,7 @@ def load_textures(folder: str | Path, *, train: bool) -> list[Material]:
     """
     rows = read_index(folder, "textures")
     if "file" not in rows[0]:
-        return load_texture_folder(folder, "train" if train else "val")
+        return textures_of_split(folder, "train" if train else "val")
     if "substance" not in rows[0]:
         raise InputError(
             "columns file and substance", ", ".join(map(str, rows[0])), file=index_path(folder)

@@ -11,8 +11,9 @@ import numpy as np
 
 from plan2scene.house import SUBSTANCES
 from plan2scene.io import atomic_path
-from plan2scene.materials import load_texture_folder, random_material
+from plan2scene.materials import random_material
 from plan2scene.seeds import derive_seed
+from plan2scene_workshop.rendering.index import textures_of_split
 from plan2scene_workshop.texture.degradation import CROP_PX
 
 _LOGGER = logging.getLogger("plan2scene")
@@ -56,9 +57,9 @@ def procedural_textures(count: int, seed: int) -> TextureSet:
     return TextureSet(tiles, substances, np.zeros(count, dtype=bool))
 
 
-def scanned_textures(folder: str | Path, split: str | None) -> TextureSet:
+def scanned_textures(folder: str | Path, split: str) -> TextureSet:
     """Return the textures of a folder (one subfolder per substance) as a set."""
-    materials = load_texture_folder(folder, split=split, size_px=TILE_PX)
+    materials = textures_of_split(folder, split, size_px=TILE_PX)
     return TextureSet(
         np.stack([material.albedo for material in materials]),
         np.array([SUBSTANCES.index(m.substance) for m in materials], dtype=np.int64),
