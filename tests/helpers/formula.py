@@ -5,6 +5,8 @@ from collections import OrderedDict
 import numpy as np
 import torch
 
+from plan2scene.textures.model.texture_model import Architecture, TextureModel
+
 # Figures that the reference implementation returns for weights and a crop given by formulas.
 EMBEDDING = [1.2627286911010742, 1.3801169395446777, 0.44629013538360596, 0.5725345611572266]
 EMBEDDING += [2.2141711711883545, -0.543013334274292, -0.24174371361732483, -0.09874101728200912]
@@ -25,6 +27,13 @@ def formula_state(module: torch.nn.Module) -> OrderedDict[str, torch.Tensor]:
         values = 2 * (h / 2**32 - 0.5) * np.sqrt(3 / fan_in) * (0.1 if len(shape) == 1 else 1.0)
         state[name] = torch.from_numpy(values.reshape(shape).astype(np.float32))
     return state
+
+
+def formula_model() -> TextureModel:
+    """Return the reference's texture model with such weights."""
+    model = TextureModel(Architecture(periodic=False))
+    model.load_state_dict(formula_state(model))
+    return model.eval()
 
 
 def formula_crop() -> np.ndarray:

@@ -21,6 +21,15 @@ def walls_of(room, openings=None):
     )
 
 
+def rooms_in_a_row(**types):
+    """Return rooms of 3 x 3 m side by side, each of a type by its id."""
+    corners = ((0.0, 0.0), (3.0, 0.0), (3.0, 3.0), (0.0, 3.0))
+    return tuple(
+        Room(name, (kind,), (tuple((3.0 * k + x, z) for x, z in corners),), 2.5)
+        for k, (name, kind) in enumerate(types.items())
+    )
+
+
 @pytest.fixture
 def l_house():
     """An L-shaped room with a front door, a window and two holes that overlap."""

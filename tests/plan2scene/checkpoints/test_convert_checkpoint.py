@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import torch
-from formula import EMBEDDING, LOGITS, formula_crop, formula_state
+from formula import EMBEDDING, LOGITS, formula_crop, formula_model, formula_state
 
 from plan2scene.checkpoints.convert import convert_checkpoint
 from plan2scene.checkpoints.means import training_means
@@ -55,9 +55,7 @@ def released(path: Path, state: dict[str, torch.Tensor], **more: object) -> Path
 
 @pytest.fixture(scope="module")
 def official() -> TextureModel:
-    model = TextureModel(Architecture(periodic=False))
-    model.load_state_dict(formula_state(model))
-    return model.eval()
+    return formula_model()
 
 
 @pytest.fixture(scope="module")

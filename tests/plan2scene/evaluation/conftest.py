@@ -3,11 +3,12 @@
 import numpy as np
 import pandas as pd
 import pytest
+from sample_houses import rooms_in_a_row
 from small_models import write_texture_models
 
 from plan2scene.evaluation.houses import EvaluatedHouse, Models
 from plan2scene.evaluation.measure import measure_textures, reference_features
-from plan2scene.house import Door, House, Opening, Room, Wall
+from plan2scene.house import Door, House, Opening, Wall
 from plan2scene.images import png_bytes
 from plan2scene.io import write_parquet
 from plan2scene.metrics.substance_network import SubstanceNetwork
@@ -24,19 +25,10 @@ from plan2scene.weights import save_model_file
 SIZE = 128
 
 
-def _room(name, kind, x):
-    return Room(name, (kind,), (((x, 0.0), (x + 3, 0.0), (x + 3, 3.0), (x, 3.0)),), 2.5)
-
-
 #: Four rooms in a row; doors lead from bed to hall to bath, none to the loft.
 PLAN = House(
     "h1",
-    (
-        _room("bed", "Bedroom", 0),
-        _room("hall", "Corridor", 3),
-        _room("bath", "Bathroom", 6),
-        _room("loft", "Closet", 9),
-    ),
+    rooms_in_a_row(bed="Bedroom", hall="Corridor", bath="Bathroom", loft="Closet"),
     tuple(
         Wall(
             f"w{i}",

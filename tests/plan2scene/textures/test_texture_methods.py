@@ -8,11 +8,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from sample_houses import rooms_in_a_row
 from small_models import write_texture_models
 
 from plan2scene.colour import median_colour
 from plan2scene.errors import InputError
-from plan2scene.house import House, Room, SurfaceKey
+from plan2scene.house import House, SurfaceKey
 from plan2scene.images import image_from_bytes, png_bytes, read_image
 from plan2scene.io import write_parquet
 from plan2scene.mesh.assembly import build_parts
@@ -31,18 +32,9 @@ SIZE = 128
 DECODED = ("naivesynth", "synth", "synth-large", "exemplar")
 
 
-def _room(room_id, kind, x):
-    return Room(room_id, (kind,), (((x, 0.0), (x + 3, 0.0), (x + 3, 3.0), (x, 3.0)),), 2.5)
-
-
 PLAN = House(
     "h1",
-    (
-        _room("bed1", "Bedroom", 0),
-        _room("bed2", "Bedroom", 3),
-        _room("hall", "Corridor", 6),
-        _room("bath", "Bathroom", 9),
-    ),
+    rooms_in_a_row(bed1="Bedroom", bed2="Bedroom", hall="Corridor", bath="Bathroom"),
     (),
 )
 
