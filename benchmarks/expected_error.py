@@ -44,7 +44,7 @@ from plan2scene.propagation.graph import house_graph
 from plan2scene.propagation.graph_networks import load_propagation
 from plan2scene.propagation.predictors import PREDICTORS
 from plan2scene.seeds import generator
-from plan2scene.textures.evidence import expected_error
+from plan2scene.textures.painted import expected_error
 
 MODEL = Path(__file__).parents[1] / "resources" / "models" / "propagation.safetensors"
 HIDDEN, SEEDS, FAR = 0.6, range(4), 6.0

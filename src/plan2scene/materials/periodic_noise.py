@@ -36,9 +36,7 @@ def spectral_noise(
 
 def blur(image: np.ndarray, sigma: float) -> np.ndarray:
     """Return `image` (h, w[, c]) blurred on the torus; `sigma` in pixels."""
-    if sigma < 0.3:
-        return image
-    pad = min(int(np.ceil(3 * sigma)), min(image.shape[:2]))
+    pad = int(np.ceil(3 * sigma))
     wide = cv2.copyMakeBorder(image, pad, pad, pad, pad, cv2.BORDER_WRAP)
     return cv2.GaussianBlur(wide, (0, 0), sigma)[pad:-pad, pad:-pad]
 

@@ -33,7 +33,7 @@ class TileTexture:
     origin_m: tuple[float, float] = (0.0, 0.0)
     material: str = ""  #: name of what it shares with other rooms, or empty
     crops: tuple[str, ...] = ()  #: ids of the crops that it was quilted from
-    #: of :mod:`plan2scene.textures.evidence`; empty when unknown
+    #: of :mod:`plan2scene.textures.painted`; empty when unknown
     evidence: Mapping[str, object] = field(default_factory=dict)
 
     @property

@@ -6,7 +6,8 @@ house again, so its textures are to hold paint alone.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+import re
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,7 +23,7 @@ from plan2scene.colour import (
     median_colour,
     srgb_to_linear,
 )
-from plan2scene.house import SurfaceKey
+from plan2scene.house import SURFACES, SurfaceKey
 from plan2scene.images import jpeg_bytes, read_image, write_png
 from plan2scene.io import atomic_directory, write_json
 from plan2scene.mesh.texture_files import texture_index
@@ -38,7 +39,6 @@ from plan2scene.paint.surfaces import (
 )
 from plan2scene.plans.parse import ID_PATTERN
 from plan2scene.stage_json import read_stage_json
-from plan2scene.textures.evidence import evidence_of
 
 _QUALITY = 85  #: JPEG quality of maps, as of those that are painted
 #: Linear value on from which brightened values bend, so that none burns out: above white paint.
@@ -52,6 +52,10 @@ _BLACK = 1e-3  #: Least linear value of a texture's median
 #: What balconies, terraces and yards have where no photo shows them, since carpets and wallpapers
 #: stay indoors: linear values and substances of grey stone and of render.
 OPEN_AIR = {"floor": (0.30, "tile"), "wall": (0.65, "plaster")}
+#: Mean CIEDE2000 to the true material by kind of surface, seen and not, and of a seen wall or
+#: ceiling of a colour: 43 synthetic homes with 60 % of their photos hidden (development).
+SEEN, UNSEEN, COLOURED = (8.3, 6.2, 2.6), (16.1, 11.9, 2.6), 12.9
+DOUBTFUL = 10.0  #: Expected error from which on people are told of it
 
 
 @dataclass(frozen=True)
@@ -235,3 +239,48 @@ def _slow(axes: np.ndarray, sigma: float) -> np.ndarray:
     padded = np.pad(axes, ((pad, pad), (pad, pad), (0, 0)), mode="wrap")
     slow = cv2.GaussianBlur(padded, (0, 0), sigma)
     return np.asarray(slow[pad:-pad, pad:-pad] if pad else slow)
+
+
+def expected_error(key: SurfaceKey, *, seen: bool, coloured: bool) -> float:
+    """Return how far the colour of a surface is expected to be from the truth, CIEDE2000.
+
+    `seen`: photos show its colour; `coloured`: they show that it is not white.
+    """
+    if coloured and key.kind != "floor":
+        return COLOURED
+    return (SEEN if seen else UNSEEN)[SURFACES.index(key.kind)]
+
+
+def evidence_of(
+    key: SurfaceKey,
+    entry: Mapping[str, Any],
+    photos: Sequence[str],
+    rooms: Collection[str],
+    *,
+    white: bool,
+    coloured: bool,
+) -> dict[str, Any]:
+    """Return ``{photos, like, words, expected_error}`` of a surface.
+
+    ``like`` is the room that it is guessed from, the error that of :func:`expected_error`.
+
+    `entry` is what ``textures.json`` says of it, `photos` are those that show its colour, `rooms`
+    the ids of the house's rooms. `white`: it is so because most known surfaces of its kind are.
+    """
+    named = re.findall(r"\b(?:like|of) ([^\s,]+)", str(entry.get("source", "")))
+    like = next((name for name in named if name in rooms), None)
+    seen = entry.get("observed") is not False
+    room = None if seen or white else like
+    count = f"{len(photos)} photo{'s' if len(photos) != 1 else ''}"
+    if seen:
+        words = f"seen in {count}" if photos else "seen in photos"
+    elif photos:
+        words = f"colour seen in {count}, the rest guessed"
+    elif white:
+        words = f"guessed: white, as most {key.kind}s here"
+    else:
+        words = f"guessed from the {room.replace('_', ' ')}" if room else "guessed"
+    off = expected_error(key, seen=bool(photos), coloured=coloured)
+    if off >= DOUBTFUL:
+        words += "; its colour may be another"
+    return {"photos": list(photos), "like": room, "words": words, "expected_error": off}

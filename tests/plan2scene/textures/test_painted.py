@@ -16,8 +16,13 @@ from plan2scene.paint.surfaces import (
     read_paint,
     write_paint,
 )
-from plan2scene.textures.evidence import COLOURED, evidence_of
-from plan2scene.textures.painted import OPEN_AIR, paint_textures, plain
+from plan2scene.textures.painted import (
+    COLOURED,
+    OPEN_AIR,
+    evidence_of,
+    paint_textures,
+    plain,
+)
 
 
 def plane(photo, room_id, surface, colour):
