@@ -29,11 +29,11 @@ def paper_table(
     output_csv: str | Path,
     output_parquet: str | Path,
     output_plot: str | Path,
-    output_latex: str | Path | None = None,
+    output_latex: str | Path,
     *,
     request: TableRequest,
 ) -> pd.DataFrame:
-    """Write the table as CSV, tidy Parquet, plot and (where asked) LaTeX; return the tidy table.
+    """Write the table as CSV, tidy Parquet, plot and LaTeX; return the tidy table.
 
     From ``metrics.parquet`` of all houses, methods and drops, and ``reference_features.parquet``
     of the houses.
@@ -51,6 +51,5 @@ def paper_table(
     )
     write_csv(output_csv, wide)
     plot_table(tidy, output_plot)
-    if output_latex is not None:
-        write_text(output_latex, latex_table(tidy))
+    write_text(output_latex, latex_table(tidy))
     return tidy

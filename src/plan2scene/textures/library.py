@@ -45,11 +45,8 @@ class TextureLibrary:
         Least sum, at 128 px, of the CIEDE2000 difference of the median colours, the difference
         of the frequency profiles and that of the colour histograms.
         """
-        image = metric_image(crop)
-        if image.shape != (METRIC_SIZE, METRIC_SIZE, 3):
-            raise ValueError(f"expected a square RGB crop, found {crop.shape}")
         labs, profiles, histograms = self._looks
-        lab, profile, histogram = _looks(image)
+        lab, profile, histogram = _looks(metric_image(crop))
         distances = (
             delta_e_2000(labs, lab[None])
             + _FREQ_WEIGHT * np.abs(profiles - profile).mean(axis=1)

@@ -128,11 +128,9 @@ def _request(houses=("h1", "h2"), methods=METHODS):
 def _table(root, request):
     metrics = sorted(root.glob("houses/*/metrics.parquet"))
     references = sorted(root.glob("houses/*/reference_features.parquet"))
-    out = root / "tables"
-    tidy = paper_table(
-        metrics, references, out / "t.csv", out / "t.parquet", out / "t.png", request=request
-    )
-    return tidy, pd.read_csv(out / "t.csv", dtype=str, keep_default_na=False)
+    outputs = [root / "tables" / f"t.{suffix}" for suffix in ("csv", "parquet", "png", "tex")]
+    tidy = paper_table(metrics, references, *outputs, request=request)
+    return tidy, pd.read_csv(outputs[0], dtype=str, keep_default_na=False)
 
 
 def test_table_counts_and_averages_the_right_surfaces(results):

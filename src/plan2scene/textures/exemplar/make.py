@@ -138,16 +138,6 @@ class Pattern:
     #: what the only crop was made of, which showed no whole period
     completed: ExemplarCrop | None = None
 
-    @property
-    def used(self) -> list[ExemplarCrop]:
-        """Return the crops of a tile, the best first."""
-        return [self.crops[k] for k in self.order[: EXEMPLAR.max_crops]]
-
-    @property
-    def covered_m(self) -> float:
-        """Return the side in metres of a square as large as the cut."""
-        return self.size_m * float(np.sqrt(self.cut.wide * self.cut.high))
-
     def source(self, k: int, work: int) -> Source:
         """Return crop `k` straightened for a tile of `work` px that holds the cut."""
         crop = self.flat[k], self.masks[k], float(self.sides[k])
@@ -229,14 +219,14 @@ def make_exemplar(
     pattern = find_surface(crops, size_px=size_px, tone=tone, plain=plain)
     if pattern is None:
         return None
-    work = pattern.work_px
-    used = pattern.used if pattern.completed is None else [pattern.completed]
-    sources = [pattern.source(k, work) for k in pattern.order[: EXEMPLAR.max_crops]]
-    canvas = quilt(sources, work, (pattern.cut.columns, pattern.cut.rows))
+    cut, best = pattern.cut, pattern.order[: EXEMPLAR.max_crops]
+    used = [pattern.completed] if pattern.completed else [pattern.crops[k] for k in best]
+    sources = [pattern.source(k, pattern.work_px) for k in best]
+    canvas = quilt(sources, pattern.work_px, (cut.columns, cut.rows))
     image = with_calm_border(as_uint8(toned(canvas.solve(), pattern.colour)))
     return Exemplar(
         as_uint8(enlarged(image / 255.0, size_px)),
-        pattern.covered_m,
+        pattern.size_m * float(np.sqrt(cut.wide * cut.high)),  # a square as large as the cut
         tuple(i for i, crop in enumerate(crops) if any(crop is own for own in used)),
         pattern,
     )
