@@ -209,7 +209,8 @@ def write_pool(
         types = ["|".join(plan.room(room).types) for room in table["room_id"]]
         frames.append(table.assign(house=house, types=types))
     columns = ["house", "room_id", "types", "surface", "crop_id", "metres", "sharpness", "png"]
-    write_parquet(output, pd.concat(frames, ignore_index=True)[columns], {"dataset": dataset})
+    frame = pd.concat(frames, ignore_index=True) if frames else pd.DataFrame(columns=columns)
+    write_parquet(output, frame[columns], {"dataset": dataset})
 
 
 def read_pool(path: str | Path, *, but: str) -> list[PoolCrop]:
