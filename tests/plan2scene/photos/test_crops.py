@@ -196,6 +196,25 @@ def test_the_planes_that_crops_were_cut_from_are_saved(house, inputs):
     assert not item.in_plan
 
 
+def test_a_floor_through_a_door_is_left_out_where_another_photo_shows_the_rooms_own(house, inputs):
+    slate = np.full((*SIZE, 3), (120, 130, 120), np.uint8)
+    both, floor = slate.copy(), checkered_floor(looking())[1].mask
+    both[:, :380], floor[:, 380:420] = (130, 85, 45), False  # wood, more of it, left of a jamb
+    for name, image in (("a", both), ("b", slate)):
+        write_png(inputs / f"{name}.png", image)
+        write_label_png(inputs / "masks" / f"{name}.png", floor.astype(np.uint8))
+    camera = looking().to_json()
+    write_json(inputs / "masks" / "cameras.json", {"a.png": camera, "b.png": camera})
+    left = []
+    for other in ("room2", "room1"):
+        run(house, inputs, {"a.png": ["room1"], "b.png": [other]})
+        (row,) = read_planes(inputs / "planes.parquet")["a.png"]
+        left.append(plane_of_row(row, SIZE).plane.mask[:, :380].any())
+    assert left == [True, False]
+    crops, _ = read_parquet(inputs / "crops.parquet")
+    assert all(image_from_bytes(png)[..., 2].mean() > 100 for png in crops.png)
+
+
 def test_masks_survive_as_polygons():
     rng = np.random.default_rng(0)
     mask = cv2.GaussianBlur(rng.random(SIZE), (0, 0), 9) > 0.5  # pieces with holes

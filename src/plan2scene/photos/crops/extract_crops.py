@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
@@ -35,6 +35,7 @@ from plan2scene.photos.crops.colours import (
     surface_colours,
 )
 from plan2scene.photos.crops.filter import inner_mask, mark_outvoted, strong_edges
+from plan2scene.photos.crops.floor_parts import floor_parts, of_other_rooms
 from plan2scene.photos.crops.sampling import CROP_PX, Candidate, Crop, Verdict
 from plan2scene.photos.crops.selection import write_tables
 from plan2scene.photos.labels.palette import (
@@ -79,6 +80,7 @@ class PhotoCrops:
     #: Rows of planes.parquet.
     planes: list[dict[str, Any]]
     colours: list[PlaneColours]
+    floors: list[PlaneColours]  #: of its floors in parts (:func:`floor_parts`)
     surfaces: list[SurfaceColour]
 
 
@@ -168,9 +170,14 @@ def crops_of_house(
     photo_crops = list(
         each(lambda photo: one(photo, photos[photo], rooms_of_photo[photo]), labelled, threads)
     )
-    candidates = [candidate for item in photo_crops for candidate in item.candidates]
     surfaces = [surface for item in photo_crops for surface in item.surfaces]
     lights = estimate_light(surfaces)
+    others = of_other_rooms([floor for item in photo_crops for floor in item.floors], lights)
+    for k, photo in enumerate(labelled):
+        if photo in others:
+            rooms = rooms_of_photo[photo]
+            photo_crops[k] = one(photo, photos[photo], rooms, left_out=others[photo])
+    candidates = [candidate for item in photo_crops for candidate in item.candidates]
     return HouseCrops(
         mark_outvoted(candidates, lights) if settings.filter else candidates,
         [row for item in photo_crops for row in item.planes],
@@ -192,8 +199,9 @@ def _crops_of_photo(
     shapes: Mapping[str, RoomShape],
     seed: int,
     settings: CropSettings,
+    left_out: Collection[int] = (),
 ) -> PhotoCrops:
-    """Return what one photo gives."""
+    """Return what one photo gives; `left_out` are numbers of parts of its floors."""
     camera = Camera.from_json(known[photo], file=masks_dir / "cameras.json")
     labels = read_label_png(masks_dir / f"{Path(photo).stem}.png", house_id=house.id)
     image = read_photo(path, house_id=house.id)
@@ -207,12 +215,18 @@ def _crops_of_photo(
         planes = planes_of_photo(
             labels, camera, segments().get(photo), sizes, settings.camera_height_m
         )
+    parts = [part for item in planes for part in floor_parts(item, image)]
+    floors = [part for part in parts if part.plane.surface == "floor"]
+    if left_out:
+        planes = [p for p in parts if p.plane.surface != "floor" or p.plane.index not in left_out]
     edges = strong_edges(image)
     inner = [inner_mask(item.plane.mask, edges) for item in planes]
     window_seed = WindowSeed(seed, house.id, photo)
     candidates = candidates_of_photo(image, camera, planes, settings, window_seed, inner)
     _log.info("%s: %d candidates, camera %s", photo, len(candidates), camera.focal_source)
     colours = colours_of_photo(image, camera, planes, photo, inner)
+    inner = [inner_mask(part.plane.mask, edges) for part in floors]
+    in_parts = colours_of_photo(image, camera, floors, photo, inner)
     pose, likely = poses.get(photo), masks_dir / PROBABILITIES / f"{Path(photo).stem}.png"
     room = rooms[0] if pose is None else pose.room_id
     if likely.is_file():
@@ -226,6 +240,7 @@ def _crops_of_photo(
         candidates,
         [plane_row(photo, item) for item in planes],
         colours,
+        in_parts,
         surface_colours(image, labels, photo, rooms, edges),
     )
 

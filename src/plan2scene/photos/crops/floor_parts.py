@@ -1,0 +1,61 @@
+"""Floors of two rooms in one photo, as through an open door: which part is the room's."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import cv2
+import numpy as np
+
+from plan2scene.colour import is_wood, linear_to_srgb, rgb_to_lab
+from plan2scene.paint.observations import PlaneColours, usual_colour
+from plan2scene.photos.crops.filter import FILTER
+from plan2scene.photos.planes.planes import PhotoPlane
+
+
+def floor_parts(item: PhotoPlane, image: np.ndarray) -> list[PhotoPlane]:
+    """Return a plane; a floor with pieces like wood and others as these two, numbered on.
+
+    Differences of light alone make no parts. A photo's place gives the floor of each room already.
+    `image` (h, w, 3) uint8 sRGB.
+    """
+    plane = item.plane
+    count, number = cv2.connectedComponents(plane.mask.astype(np.uint8), connectivity=4)
+    if plane.surface != "floor" or item.in_plan or count <= 2:
+        return [item]
+    shown = [np.median(image[number == k], axis=0) for k in range(1, count)]
+    wooden = np.r_[False, is_wood(rgb_to_lab(np.array(shown) / 255.0))][number]
+    masks = [mask for mask in (wooden, plane.mask & ~wooden) if mask.any()]
+    parts = [replace(plane, mask=mask, index=plane.index + k) for k, mask in enumerate(masks)]
+    return [replace(item, plane=part) for part in parts]
+
+
+def of_other_rooms(
+    colours: Sequence[PlaneColours], lights: Mapping[str, np.ndarray]
+) -> dict[str, list[int]]:
+    """Return by photo the numbers of parts of floors that other photos of the room speak against.
+
+    Most of these show wood where it is none, or none where it is wood, none of them a floor like
+    it, and another part agrees with them. `lights` (3,), linear RGB by photo, are divided out.
+    """
+    floors = [seen for seen in colours if seen.surface == "floor" and seen.own]
+    linear = [usual_colour([f.colours], [1.0]) / lights.get(f.photo, np.ones(3)) for f in floors]
+    labs = rgb_to_lab(linear_to_srgb(np.minimum(np.reshape(linear, (-1, 3)), 1.0)))
+    found: dict[str, list[int]] = {}
+    agreed, against = set(), []
+    for floor, lab in zip(floors, labs, strict=True):
+        of_room = [f.photo != floor.photo and bool({*f.rooms} & {*floor.rooms}) for f in floors]
+        others = labs[np.array(of_room)]
+        if not len(others):
+            continue
+        away = np.linalg.norm((others - lab) * np.array([0.5, 1.0, 1.0]), axis=1).min()
+        alike = np.mean(is_wood(others) == is_wood(lab))
+        if away <= FILTER.group_limit and alike > 0.5:
+            agreed.add((floor.photo, floor.rooms))
+        elif away > FILTER.group_limit and alike <= 1.0 - FILTER.majority:
+            against.append(floor)
+    for floor in against:
+        if (floor.photo, floor.rooms) in agreed:
+            found.setdefault(floor.photo, []).append(floor.plane)
+    return found
