@@ -10,12 +10,13 @@ taken as a factor on these values.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import cv2
 import numpy as np
 from scipy.fft import dctn, idctn
 
-from plan2scene.colour import as_uint8, from_log_axes, log_axes, srgb_to_linear
+from plan2scene.colour import as_uint8, from_log_axes, log_axes, rgb_to_lab, srgb_to_linear
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,7 @@ class ShadingSettings:
 
 
 _S = ShadingSettings()
+UNREST_BLOCKS = 16  #: blocks along a crop whose colours :func:`unrest` compares
 _CHI_SQUARE_MEDIAN = 0.455  # of one degree of freedom, over its mean
 _GREY = np.array([0.299, 0.587, 0.114])  # of sRGB (ITU-R BT.601)
 
@@ -174,3 +176,40 @@ def consensus(tones: np.ndarray, repair: np.ndarray) -> np.ndarray:
     mean = axes.mean(axis=0)
     mean[0] = np.average(axes[:, 0], weights=1.0 / (_S.repair + repair[~burned]) ** 2)
     return np.minimum(from_log_axes(mean), 1.0)
+
+
+def smooth_field(values: np.ndarray) -> np.ndarray:
+    """Return the quadratic surface that fits most of (h, w) values, float64.
+
+    Least squares, repeated with values far from the fit counted less (Huber), so that an object
+    or a joint does not bend it. The knee follows the residuals' median, which
+    scipy.optimize.least_squares cannot do.
+    """
+    basis, flat = _quadratic(*values.shape), values.reshape(-1)
+    fit, weight = flat, np.ones_like(flat)
+    for number in range(3):
+        if number:
+            off = np.abs(flat - fit)
+            knee = 1.5 * np.median(off) + 1e-6
+            weight = np.minimum(1.0, knee / np.maximum(off, 1e-9))
+        scaled = basis * weight[:, None]
+        fit = basis @ np.linalg.solve(basis.T @ scaled + 1e-9 * np.eye(6), scaled.T @ flat)
+    return fit.reshape(values.shape)
+
+
+@cache
+def _quadratic(height: int, width: int) -> np.ndarray:
+    """Return the six terms of a quadratic surface at each of (height, width) values, (n, 6)."""
+    y, x = np.mgrid[-1 : 1 : height * 1j, -1 : 1 : width * 1j]
+    return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1).reshape(-1, 6)
+
+
+def unrest(image: np.ndarray) -> float:
+    """Return by how much the blocks of a crop (n, n, 3) uint8 sRGB vary, in L*a*b*.
+
+    Smooth shading is taken away first.
+    """
+    small = cv2.resize(image, (UNREST_BLOCKS, UNREST_BLOCKS), interpolation=cv2.INTER_AREA)
+    lab = rgb_to_lab(small / 255.0)
+    rest = [lab[..., k] - smooth_field(lab[..., k]) for k in range(3)]
+    return float(np.sqrt(np.square(rest).sum(axis=0).mean()))

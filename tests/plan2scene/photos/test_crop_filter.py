@@ -4,7 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
-from plan2scene.photos.crops.filter import has_object, image_reasons, restless, step_of, unrest
+from plan2scene.paint.shading import unrest
+from plan2scene.photos.crops.filter import has_object, image_reasons, restless, step_of
 from plan2scene.photos.crops.sampling import Reason
 
 

@@ -7,7 +7,7 @@ from plan2scene.colour import delta_e_2000, median_colour, rgb_to_lab
 from plan2scene.metrics.color_freq_tile import color_distance
 from plan2scene.paint.shading import log_luma
 from plan2scene.textures.exemplar.lattice import find_lattice
-from plan2scene.textures.exemplar.make import ExemplarCrop, alike, make_exemplar
+from plan2scene.textures.exemplar.make import ExemplarCrop, alike, calm, make_exemplar
 from plan2scene.textures.seams import wrap_ratio
 from plan2scene_workshop.texture.degradation import Degradation, degrade, window
 
@@ -53,6 +53,15 @@ def test_regular_patterns_are_cut_at_whole_periods(columns, rows, bond) -> None:
     assert steepest_line(made.image) < 1.2 * steepest_line(tile)  # no seam within it either
     away = delta_e_2000(rgb_to_lab(median_colour(made.image)), rgb_to_lab(median_colour(tile)))
     assert away < 3.0
+
+
+def test_stripes_of_sun_on_few_crops_are_no_pattern_and_those_of_all_are_one() -> None:
+    carpet = np.random.default_rng(0).integers(60, 80, (128, 128, 3), dtype=np.uint8)
+    sunny = carpet.copy()
+    sunny[(np.arange(128) // 16) % 2 == 0] += 60
+    plain, striped = (ExemplarCrop(image, 0.5, 1.0) for image in (carpet, sunny))
+    assert calm([plain, striped, plain]) == [plain, plain]
+    assert calm([plain, striped, striped]) == [plain, striped, striped]
 
 
 def test_poor_crops_make_no_exemplar() -> None:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
 
 import cv2
 import numpy as np
@@ -23,6 +22,7 @@ from plan2scene.colour import (
     rgb_to_lab,
     srgb_to_linear,
 )
+from plan2scene.paint.shading import smooth_field, unrest
 from plan2scene.photos.crops.sampling import CROP_PX, Candidate, Crop, Judge, Reason, Verdict
 from plan2scene.photos.planes.rectification import RectifiedPlane
 
@@ -267,32 +267,6 @@ def step_of(image: np.ndarray) -> Reason | None:
     return Reason.CLUTTER if np.linalg.norm(ab[0] - ab[1]) > FILTER.shadow_chroma else Reason.SHADOW
 
 
-def smooth_field(values: np.ndarray) -> np.ndarray:
-    """Return the quadratic surface that fits most of (h, w) values, float64.
-
-    Least squares, repeated with values far from the fit counted less (Huber), so that an object
-    or a joint does not bend it. The knee follows the residuals' median, which
-    scipy.optimize.least_squares cannot do.
-    """
-    basis, flat = _quadratic(*values.shape), values.reshape(-1)
-    fit, weight = flat, np.ones_like(flat)
-    for number in range(3):
-        if number:
-            off = np.abs(flat - fit)
-            knee = 1.5 * np.median(off) + 1e-6
-            weight = np.minimum(1.0, knee / np.maximum(off, 1e-9))
-        scaled = basis * weight[:, None]
-        fit = basis @ np.linalg.solve(basis.T @ scaled + 1e-9 * np.eye(6), scaled.T @ flat)
-    return fit.reshape(values.shape)
-
-
-@cache
-def _quadratic(height: int, width: int) -> np.ndarray:
-    """Return the six terms of a quadratic surface at each of (height, width) values, (n, 6)."""
-    y, x = np.mgrid[-1 : 1 : height * 1j, -1 : 1 : width * 1j]
-    return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1).reshape(-1, 6)
-
-
 def window_colours(rectified: RectifiedPlane, side: int) -> tuple[np.ndarray, float]:
     """Return the median mean colour (3,), L* counted half, of a plane's windows and its spread.
 
@@ -328,18 +302,6 @@ def outvoted(colours: np.ndarray, weights: np.ndarray) -> np.ndarray:
     if support[best] < FILTER.majority * weights.sum():
         return np.zeros(len(colours), dtype=bool)
     return np.asarray(distance[best] > FILTER.group_limit)
-
-
-def unrest(image: np.ndarray) -> float:
-    """Return by how much the blocks of a crop (n, n, 3) uint8 sRGB vary, in L*a*b*.
-
-    Smooth shading is taken away first.
-    """
-    blocks = FILTER.block_scales[-1][0] * 2
-    small = cv2.resize(image, (blocks, blocks), interpolation=cv2.INTER_AREA)
-    lab = rgb_to_lab(small / 255.0)
-    rest = [lab[..., k] - smooth_field(lab[..., k]) for k in range(3)]
-    return float(np.sqrt(np.square(rest).sum(axis=0).mean()))
 
 
 def restless(unrests: np.ndarray) -> np.ndarray:

@@ -16,7 +16,7 @@ import numpy as np
 
 from plan2scene.colour import as_uint8, clipped_share, delta_e_2000, median_colour, rgb_to_lab
 from plan2scene.images import jpeg_bytes
-from plan2scene.paint.shading import consensus, flatten, highlights, log_luma
+from plan2scene.paint.shading import consensus, flatten, highlights, log_luma, unrest
 from plan2scene.textures.exemplar.corner import completed
 from plan2scene.textures.exemplar.lattice import (
     CropLattice,
@@ -70,6 +70,14 @@ def alike(crops: Sequence[ExemplarCrop], tone: np.ndarray | None = None) -> list
     return [
         crop for crop, far in zip(crops, apart[middle], strict=True) if far <= EXEMPLAR.alike_de
     ]
+
+
+def calm(crops: Sequence[ExemplarCrop]) -> list[ExemplarCrop]:
+    """Return the crops without those that vary far more than the usual one: by a rug, by sun."""
+    unrests = np.array([unrest(crop.image) for crop in crops])
+    restless, calm_share = EXEMPLAR.restless
+    kept = (unrests < restless) | (np.median(unrests) > calm_share * unrests)
+    return [crop for crop, is_so in zip(crops, kept, strict=True) if is_so]
 
 
 def blur_octaves(crops: Sequence[ExemplarCrop]) -> np.ndarray:
@@ -158,7 +166,7 @@ def find_surface(
     good = usable(crops)
     if not good:
         return None
-    good = sharper(alike(good, tone))
+    good = sharper(calm(alike(good, tone)))
     pattern = _pattern(good, size_px, plain=plain)
     turned = zip(pattern.crops, pattern.turned, strict=True)
     images = [np.rot90(crop.image) if turn else crop.image for crop, turn in turned]

@@ -15,6 +15,9 @@ class ExemplarSettings:
     # Which crops show the surface, and sharply.
     #: CIEDE2000 beyond which crops are of different things; light gives less
     alike_de: float = 20.0
+    #: How much a crop varies (L*a*b*, `unrest`) that shows a rug or stripes of sun, where the usual
+    #: one varies by less than a share of it. Real floors vary by 5 at most, the others by 8 and 13.
+    restless: tuple[float, float] = (7.0, 0.4)
     least_sharp: float = 0.2  #: photo pixels per crop pixel under which a crop shows no texture
     most_spoiled: float = 0.5  #: share of clipped pixels from which on a crop is useless
     #: crops blurred by more than this against the better ones are left out
