@@ -629,15 +629,19 @@ def _images(
     group: Sequence[MappedSurface], detail: Detail, rng: np.random.Generator
 ) -> Iterator[tuple[SurfaceKey, np.ndarray, Area, float]]:
     """Yield the images of a group's surfaces, what they cover and the photos' pixels a metre."""
-    whole = reduce(Area.union, (surface.area for surface in group))
+    whole, tile = reduce(Area.union, (surface.area for surface in group)), group[0].tile
     patches = cut_patches(detail, rng)
     if patches is None:  # no crop holds a patch, but the tile twice each way does
-        tile = group[0].tile
         yield from _images(group, detail_of_tile(tile.image, tile.size_m), rng)
         return
     scale = detail.px_per_m
     width, height = (int(np.ceil(side * scale)) for side in whole.size)
-    canvas = quilted(patches, height, width, rng)
+    if tile.regular:
+        side = round(tile.size_m * scale)
+        image = cv2.resize(tile.image, (side, side), interpolation=cv2.INTER_AREA)
+        canvas = np.tile(image, (height // side + 1, width // side + 1, 1))
+    else:
+        canvas = quilted(patches, height, width, rng)
     median = median_colour(canvas[::3, ::3])
     for surface in group:
         image, area = _part(canvas, whole.low, surface.area, scale)

@@ -25,7 +25,8 @@ class Tile:
     """A surface's texture: (s, s, 3) uint8 sRGB, metres it covers, what it was made of.
 
     `origin_m` is where a tile begins in the mesh's texture coordinates, metres; `crops` are the
-    ids of the crops that it was quilted from, `pattern` what they show.
+    ids of the crops that it was quilted from, `pattern` what they show. A `regular` tile repeats on
+    maps: quilted, its joints would break.
     """
 
     image: np.ndarray
@@ -36,6 +37,7 @@ class Tile:
     seam_corrected: bool = False
     crops: tuple[str, ...] = ()
     pattern: Pattern | None = None
+    regular: bool = False
 
     def without_seams(self) -> Tile:
         """Return the tile with its seams repaired; itself where it tiles already."""

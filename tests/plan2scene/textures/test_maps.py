@@ -136,6 +136,20 @@ def test_maps_of_a_house_cover_its_faces_in_the_tiles_colours(rug, gap_house, tm
     assert house_maps(gap_house, tiles, {}, {}, {}, seed=2)[keys[0]].jpeg != maps[keys[0]].jpeg
 
 
+def test_a_regular_tile_repeats_so_that_its_joints_stay_whole(gap_house) -> None:
+    floor = SurfaceKey("a", "floor")
+    image = carpet(0)
+    image[:4], image[:, :4] = 20, 20
+    tile = Tile(image, 0.5, "made up", True, regular=True)
+    spread = {}
+    for name, made in (("whole", tile), ("cut", replace(tile, regular=False))):
+        found = house_maps(gap_house, {floor: made}, {}, seed=0)[floor]
+        joint = (image_from_bytes(found.jpeg) < 60).mean(axis=0)[..., 0] > 0.9
+        steps = np.diff(np.flatnonzero(np.diff(joint.astype(int)) == 1)) / found.px_per_m
+        spread[name] = np.abs(steps - 0.5).max()
+    assert spread["whole"] < 0.02 < spread["cut"]
+
+
 class _Known:
     """What write_tiles asks of a surface."""
 

@@ -165,9 +165,9 @@ def job_files(tmp_path_factory):
 def _inputs(
     files, *, size_px=128, seam_correction=None, hidden_photos=(), crop_pool=None, threads=1
 ):
-    house = HouseFiles(
-        "h1", files / "scene.json", files / "crops.parquet", files / "library.parquet", crop_pool
-    )
+    inputs = [files / f"{name}.parquet" for name in ("crops", "library", "patterns")]
+    crops, library, patterns = (path if path.is_file() else None for path in inputs)
+    house = HouseFiles("h1", files / "scene.json", crops, library, crop_pool, patterns=patterns)
     models = {
         "texture": files / "synth.safetensors",
         "naivesynth": files / "naivesynth.safetensors",
@@ -387,6 +387,19 @@ def test_an_exemplar_of_the_predicted_substance_goes_before_a_nearer_one(files):
     image = read_image(folder / "bed2_floor.png")
     assert median_colour(image) == pytest.approx(0.56, abs=0.01)
     assert wrap_ratio(image) < 1.5
+
+
+def test_floors_without_joints_make_no_other_floor_tiled(files):
+    table = pd.read_parquet(files / "propagated.parquet")
+    table["substance"] = "tile"
+    write_parquet(files / "propagated.parquet", table, {"house": "h1"})
+    rows = {"room_id": ["hall", "bed1"], "surface": "floor", "kind": "plain", "confidence": 0.0}
+    for confidence, source in ((0.4, "exemplar of "), (0.9, "made up: ")):
+        rows["confidence"] = confidence
+        write_parquet(files / "patterns.parquet", pd.DataFrame(rows), {"house": "h1"})
+        _, surfaces = _make(files, "exemplar")
+        assert surfaces["bed2/floor"]["source"].startswith(source)
+        assert surfaces["hall/floor"]["source"].startswith("exemplar of 1 crops")
 
 
 def test_wrong_requests_are_refused(files):

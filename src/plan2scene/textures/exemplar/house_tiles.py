@@ -5,21 +5,22 @@ pattern of all its crops, each in its own colour. An unobserved one, and one who
 the colour of all of its pixels, gets the exemplar of the house that is nearest to its prediction
 (same kind of surface and substance, nearest embedding), since a house repeats its materials, in its
 own colour. Where none of the kind has the predicted substance, a procedural tile of it is made up.
-Large squares that were completed from one crop go on tiled surfaces alone. Only where the house
-shows none of the kind the predicted embedding is decoded. Each tile's source says which way it was
-made.
+Large squares that were completed from one crop go on tiled surfaces alone; floors whose photos show
+no joints go on none. Only where the house shows none of the kind the predicted embedding is
+decoded. Each tile's source says which way it was made.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from plan2scene.colour import as_uint8, delta_e_2000, median_colour, rgb_to_lab
 from plan2scene.house import SurfaceKey
+from plan2scene.io import read_parquet
 from plan2scene.materials import random_material
 from plan2scene.paint.light import recoloured
 from plan2scene.parallel import each
@@ -69,9 +70,10 @@ def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
     for made in each(of_one_material, longest_first, inputs.settings.threads):
         tiles.update(made)
     own = {key: tile for key in groups if isinstance(tile := tiles.get(key), Tile)}
+    jointless = _jointless(inputs)
     for key, surface in surfaces.items():
         if key not in tiles:
-            tiles[key] = _nearest(inputs, surface, surfaces, own)
+            tiles[key] = _nearest(inputs, surface, surfaces, own, jointless)
     return {
         key: replace(tile, size_m=surfaces[key].size_m)
         if isinstance(tile, Tile) and not math.isfinite(tile.size_m)
@@ -156,6 +158,7 @@ def _nearest(
     surface: KnownSurface,
     surfaces: Mapping[SurfaceKey, KnownSurface],
     own: Mapping[SurfaceKey, Tile],
+    jointless: Collection[SurfaceKey],
 ) -> Tile | NoTile:
     """Return the nearest exemplar of the house for a surface without its own, or why there is none.
 
@@ -167,7 +170,12 @@ def _nearest(
         return NoTile(f"no exemplar of a {kind} in the house")
     code = _code(surface)
     tone = np.clip(code[-3:], 0.0, 1.0) if surface.tone is None else surface.tone
-    alike = [key for key in pool if _substance(surfaces[key], own[key]) == surface.substance]
+    alike = [
+        key
+        for key in pool
+        if _substance(surfaces[key], own[key]) == surface.substance
+        and not (surface.substance == "tile" and key in jointless)
+    ]
     if not alike and not surface.observed:
         return _usual_tile(inputs, surface, tone)
     pool = alike or [key for key in pool if not _guessed(own[key])]
@@ -178,6 +186,16 @@ def _nearest(
     away = colour_difference(own[nearest].image, tone)
     source = f"exemplar of {nearest.room_id}, {away:.1f} dE2000 to the predicted colour"
     return replace(own[nearest], image=recoloured(own[nearest].image, tone), source=source)
+
+
+def _jointless(inputs: TextureInputs) -> set[SurfaceKey]:
+    """Return the floors whose photos show no joints where tiles would show them."""
+    file = inputs.data.files.patterns
+    if file is None:
+        return set()
+    table, _ = read_parquet(file)
+    plain = table[(table["kind"] == "plain") & (table["confidence"] > 0.5)]
+    return {SurfaceKey(row.room_id, row.surface) for row in plain.itertuples()}
 
 
 def _guessed(tile: Tile) -> bool:
@@ -226,4 +244,5 @@ def _usual_tile(inputs: TextureInputs, surface: KnownSurface, tone: np.ndarray) 
     )
     image = with_calm_border(as_uint8(enlarged(made.albedo / 255.0, inputs.settings.size_px)))
     source = f"made up: no exemplar of a {kind} of {substance} in the house"
-    return Tile(recoloured(image, tone), made.size_m, source, tiles_by_construction=True)
+    regular = substance == "tile"
+    return Tile(recoloured(image, tone), made.size_m, source, True, regular=regular)
