@@ -142,16 +142,17 @@ def floor_patterns(
         if members:
             likely = [known[room] for room in known if materials.get(room) == name]
             both = tuple(np.mean(likely, axis=0).tolist()) if likely else None
-            together[name] = _cut(members, both)
+            whole, readings = find_pattern(members, both)
+            together[name] = whole, _units(whole, readings, members)
     found = {}
     for room in rooms:
         mine = [view for view in views if room in view.rooms]
         own, readings = find_pattern(mine, known.get(room))
-        whole = together.get(materials.get(room, ""))
-        if whole is None or (whole[0].kind == "plain" and whole[0].confidence < own.confidence):
+        shared = together.get(materials.get(room, ""))
+        if shared is None or (shared[0].kind == "plain" and shared[0].confidence < own.confidence):
             found[room] = own, _units(own, readings, mine)
         else:
-            found[room] = _turned(whole[0], own), whole[1]
+            found[room] = _turned(shared[0], own), shared[1]
     return found
 
 
@@ -192,14 +193,6 @@ def boarded(pattern: FoundPattern, shares: tuple[float, float] | None) -> bool:
     if shares is None or pattern.kind != "plain":
         return False
     return (1.0 - pattern.confidence) * shares[0] / max(sum(shares), 1e-9) > 0.5
-
-
-def _cut(
-    views: Sequence[FloorView], looks: tuple[float, float] | None
-) -> tuple[FoundPattern, Units]:
-    """Return the pattern of views and its units."""
-    pattern, readings = find_pattern(views, looks)
-    return pattern, _units(pattern, readings, views)
 
 
 def _units(pattern: FoundPattern, readings: Sequence[Reading], views: Sequence[FloorView]) -> Units:

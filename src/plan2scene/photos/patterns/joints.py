@@ -112,8 +112,8 @@ def evened(image: np.ndarray, mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     """
     scale = JOINTS.px_per_m
     luma = log_luma(image / 255.0)
-    fine = luma - _nearby(luma, mask, JOINTS.slow_m * scale)
-    spread = np.sqrt(np.maximum(_nearby(fine**2, mask, JOINTS.near_m * scale), 0.0))
+    fine = luma - nearby(luma, mask, JOINTS.slow_m * scale)
+    spread = np.sqrt(np.maximum(nearby(fine**2, mask, JOINTS.near_m * scale), 0.0))
     fine = np.clip(fine / np.maximum(spread, 1e-4), -JOINTS.most, JOINTS.most)
     rim = max(1, round(JOINTS.rim_m * scale))
     padded = np.pad(mask.astype(np.uint8), 1)
@@ -121,7 +121,7 @@ def evened(image: np.ndarray, mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     return np.where(valid, fine, 0.0).astype(np.float32), valid
 
 
-def _nearby(values: np.ndarray, mask: np.ndarray, sigma: float) -> np.ndarray:
+def nearby(values: np.ndarray, mask: np.ndarray, sigma: float) -> np.ndarray:
     """Return the mean of values (h, w) near each pixel of a mask."""
     weight = mask.astype(np.float32)
     side = 2 * round(0.86 * sigma) + 1  # two boxes have a Gaussian's spread

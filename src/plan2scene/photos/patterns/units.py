@@ -11,7 +11,7 @@ import numpy as np
 
 from plan2scene.photos.patterns.bonds import Zigzag
 from plan2scene.photos.patterns.find import FoundPattern, Reading
-from plan2scene.photos.patterns.joints import JOINTS, lines
+from plan2scene.photos.patterns.joints import JOINTS, lines, nearby
 from plan2scene.photos.patterns.views import FloorView
 from plan2scene.photos.patterns.zigzag import fitted
 
@@ -415,15 +415,8 @@ def comb(line: np.ndarray, step: float, loose: float) -> list[float]:
 
 def _evenly_lit(image: np.ndarray, valid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return an image (h, w, 3) about 0.5 in one light, and the light (h, w) over its mean."""
-    weight = valid.astype(np.float32)
     sigma = UNITS.light_m * JOINTS.px_per_m
-    side = 2 * round(0.86 * sigma) + 1
-
-    def near(values: np.ndarray) -> np.ndarray:
-        return np.asarray(cv2.blur(cv2.blur(values, (side, side)), (side, side)))
-
-    light = near((image * weight[..., None]).astype(np.float32))
-    light /= np.maximum(near(weight), 1e-3)[..., None]
+    light = np.dstack([nearby(channel, valid, sigma) for channel in cv2.split(image)])
     usual = np.median(light[valid], axis=0)
     even = 0.5 * image / np.maximum(light, 1 / 255)
     return even.astype(np.float32), light.mean(axis=2) / usual.mean()
