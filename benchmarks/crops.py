@@ -46,9 +46,8 @@ from plan2scene.house import House
 from plan2scene.images import medoid_index, read_image
 from plan2scene.io import read_json
 from plan2scene.metrics.color_freq_tile import color_distance, freq_distance
-from plan2scene.photos.crops.candidates import CropSettings
 from plan2scene.photos.crops.extract_crops import crops_of_house
-from plan2scene.photos.crops.sampling import CROP_PX, Candidate
+from plan2scene.photos.crops.sampling import CROP_PX, Candidate, CropSettings
 from plan2scene.photos.crops.selection import select_candidates
 from plan2scene.photos.labels.labeller import labeller
 from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL, read_label_png
@@ -189,9 +188,7 @@ def draw(source: Source, masks: Path, *, filtered: bool) -> Drawn:
     return Drawn(source, made.candidates, made.gains, shares)
 
 
-def measure_house(
-    drawn: Drawn, settings: CropSettings
-) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
+def measure_house(drawn: Drawn) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
     """Return tables of the selected crops, of the surfaces, and of the surfaces per photo."""
     selection = select_candidates(drawn.candidates)
     rows = []
@@ -311,14 +308,12 @@ def main() -> None:
             first: set[Any] | None = None
             windows: dict[bool, list[Drawn]] = {}
             for variant in variants:
-                settings = CropSettings(
-                    filter="filter" in variant,
-                )
-                if settings.filter not in windows:
-                    windows[settings.filter] = [
-                        draw(s, masks_of(s, kind, work), filtered=settings.filter) for s in houses
+                filtered = "filter" in variant
+                if filtered not in windows:
+                    windows[filtered] = [
+                        draw(s, masks_of(s, kind, work), filtered=filtered) for s in houses
                     ]
-                tables = [measure_house(d, settings) for d in windows[settings.filter]]
+                tables = [measure_house(d) for d in windows[filtered]]
                 cells = line(" + ".join(variant), tables, first)
                 print("| " + " | ".join(cells) + " |", flush=True)
                 found = pd.concat([table[1] for table in tables])

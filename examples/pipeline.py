@@ -13,7 +13,7 @@ from plan2scene.datasets.import_plan import import_plan
 from plan2scene.evaluation.measure import Networks, measure_textures
 from plan2scene.io import read_json, read_parquet
 from plan2scene.mesh.build import build_house
-from plan2scene.photos.crops.extract_crops import CropFiles, extract_crops
+from plan2scene.photos.crops.extract_crops import CropFiles, crops_of_house, write_crops
 from plan2scene.photos.labels.labeller import labeller
 from plan2scene.photos.locate.locate_photos import locate_photos, write_photo_rooms
 from plan2scene.photos.masks import make_masks
@@ -52,14 +52,15 @@ def make_house(home: Path, out: Path) -> float:
     locate_photos(house, assigned, masks, cameras)
     write_photo_rooms(house, assigned, cameras, out / "rooms.json", out / "photos.csv")
     rooms = read_json(out / "rooms.json")
-    extract_crops(house, rooms, photos, masks, crops, dataset="example", seed=SEED, cameras=cameras)
+    seen = crops_of_house(house, rooms, photos, masks, seed=SEED, cameras=cameras)
+    write_crops(seen, crops, dataset="example", house_id="home")
 
     make_embeddings(crops.crops, embeddings, TEXTURE, NAIVE, seed=SEED, **NAME)
     select_surfaces(embeddings, crops.crops, [], surfaces, **NAME)
     find_materials(scene, surfaces, embeddings, crops.light, [], materials, **NAME)
     weights = {"propagation_model": PROPAGATION, "texture_model": TEXTURE, "predictor": "house"}
-    seen = {"materials": materials, "colours": crops.colours}
-    propagate_house(scene, surfaces, propagated, **weights, **seen, **NAME)
+    known = {"materials": materials, "colours": crops.colours}
+    propagate_house(scene, surfaces, propagated, **weights, **known, **NAME)
 
     data = HouseData(HouseFiles("home", scene, crops.crops))
     settings = TextureSettings(SEED, size_px=128)

@@ -38,7 +38,7 @@ from plan2scene.io import read_parquet, write_json, write_parquet
 from plan2scene.materials import load_texture_folder
 from plan2scene.mesh.texture_files import textured
 from plan2scene.photos.camera.exif import read_exif_focal
-from plan2scene.photos.crops.extract_crops import CropFiles, read_precomputed_crops
+from plan2scene.photos.crops.extract_crops import CropFiles, read_precomputed_crops, write_crops
 from plan2scene.photos.labels.palette import labels_from_folder
 from plan2scene.photos.locate.pose import read_poses
 from plan2scene.photos.photo_files import read_photo
@@ -271,7 +271,8 @@ def read_crop(path: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     path.replace(folder / "p_0_crop0.png")
     out = CropFiles(*(path.parent / f"written_{k}" for k in range(5)))
-    read_precomputed_crops(house(), {"p.jpg": ["living"]}, folder.parent, out, dataset="d")
+    made = read_precomputed_crops(house(), {"p.jpg": ["living"]}, folder.parent)
+    write_crops(made, out, dataset="d", house_id=house().id)
 
 
 def read_texture(path: Path) -> object:

@@ -71,13 +71,8 @@ def find_points(image: np.ndarray, settings: MatchSettings | SpotSettings = MATC
 
 def match_photos(photos: Mapping[str, Points]) -> dict[tuple[str, str], int]:
     """Return how many points each pair of photos shares, the lesser name first; none of no pair."""
-    share = min(1.0, MATCHES.usual_photos / max(1, len(photos)))
-    kept = {
-        name: Points(
-            p.places[: int(share * MATCHES.points)], p.looks[: int(share * MATCHES.points)]
-        )
-        for name, p in photos.items()
-    }
+    most = int(min(1.0, MATCHES.usual_photos / max(1, len(photos))) * MATCHES.points)
+    kept = {name: Points(p.places[:most], p.looks[:most]) for name, p in photos.items()}
     counts = {
         pair: shared_points(kept[pair[0]], kept[pair[1]])
         for pair in itertools.combinations(sorted(kept), 2)

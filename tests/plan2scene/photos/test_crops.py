@@ -14,8 +14,13 @@ from plan2scene.house import House, Room
 from plan2scene.images import image_from_bytes, medoid_index, write_png
 from plan2scene.io import read_json, read_parquet, write_json
 from plan2scene.photos.camera.lines import SEGMENTS, find_segments, write_segments
-from plan2scene.photos.crops.extract_crops import CropFiles, extract_crops, read_precomputed_crops
-from plan2scene.photos.crops.sampling import sample_candidates
+from plan2scene.photos.crops.extract_crops import (
+    CropFiles,
+    crops_of_house,
+    read_precomputed_crops,
+    write_crops,
+)
+from plan2scene.photos.crops.sampling import CropSettings, sample_candidates
 from plan2scene.photos.crops.selection import CANDIDATE_COLUMNS, COLUMNS
 from plan2scene.photos.labels.palette import write_label_png
 from plan2scene.photos.planes.planes import PhotoPlane, Plane, plane_of_row, plane_row, read_planes
@@ -44,7 +49,8 @@ def checkered_floor(camera, height=1.5, cell=0.25):
 def test_crops_are_metric_and_square_on():
     camera = looking(turn_deg=31.0)
     image, plane = checkered_floor(camera, cell=0.25)
-    drawn = sample_candidates(image, camera, plane, np.random.default_rng(0), sizes_m=(1.0,))
+    metre = CropSettings(sizes_m=(1.0,))
+    drawn = sample_candidates(image, camera, plane, np.random.default_rng(0), metre)
     assert len(drawn) == 10
     for crop in (candidate.crop for candidate in drawn):
         assert crop.size_m == pytest.approx(1.0, abs=0.01)
@@ -102,16 +108,8 @@ def files_in(folder):
 
 def run(house, inputs, rooms_of_photo, **more):
     photos = {photo: inputs / photo for photo in rooms_of_photo}
-    return extract_crops(
-        house,
-        rooms_of_photo,
-        photos,
-        inputs / "masks",
-        files_in(inputs),
-        dataset="d",
-        seed=3,
-        **more,
-    )
+    made = crops_of_house(house, rooms_of_photo, photos, inputs / "masks", seed=3, **more)
+    return write_crops(made, files_in(inputs), dataset="d", house_id=house.id)
 
 
 def test_stage_rows_and_round_trip(house, inputs):
@@ -246,7 +244,8 @@ def test_precomputed_crops(house, tmp_path):
         image = rng.integers(0, 255, (128, 128, 3)).astype(np.uint8)
         write_png(tmp_path / f"{name}.png", image)
     out = files_in(tmp_path)
-    frame = read_precomputed_crops(house, {"x_1.jpg": ["room1"]}, tmp_path, out, dataset="d")
+    made = read_precomputed_crops(house, {"x_1.jpg": ["room1"]}, tmp_path)
+    frame = write_crops(made, out, dataset="d", house_id="h1")
     assert frame.crop_id.tolist() == ["floor/x_1_0_crop2", "wall/x_1_7_crop0"]
     assert frame.plane.tolist() == [0, 7]
     assert frame.metres.isna().all()
@@ -255,4 +254,4 @@ def test_precomputed_crops(house, tmp_path):
     pd.testing.assert_series_equal(read.crop_id, frame.crop_id)
     write_png(tmp_path / "floor/x_1_0_crop3.png", np.zeros((64, 64, 3), np.uint8))
     with pytest.raises(InputError, match="128x128"):
-        read_precomputed_crops(house, {"x_1.jpg": ["room1"]}, tmp_path, out, dataset="d")
+        read_precomputed_crops(house, {"x_1.jpg": ["room1"]}, tmp_path)

@@ -107,11 +107,8 @@ def _focal_of_sensor(tags: dict[int, Any], noted: list[float], size: tuple[int, 
     The pitch is that of the camera's own pixels, so their noted number must be there to tell a
     reduced photo.
     """
-    focal, unit = (
-        _number(tags.get(Tag.FocalLength)),
-        UNIT_MM.get(tags.get(Tag.FocalPlaneResolutionUnit, 2)),
-    )
-    density = _number(tags.get(Tag.FocalPlaneXResolution))
+    unit = UNIT_MM.get(tags.get(Tag.FocalPlaneResolutionUnit, 2))
+    focal, density = (_number(tags.get(t)) for t in (Tag.FocalLength, Tag.FocalPlaneXResolution))
     if unit is None or min(noted) <= 0 or focal <= 0 or density <= 0:
         return 0.0
     return focal * density / unit * max(size) / max(noted)

@@ -80,10 +80,6 @@ def with_shared_lenses(
             best = refit(name, ExifFocal(float(np.median(others)) * side, cropped=True))
         else:
             continue
-        made[name] = replace(best, focal_source="shared") if _told(best) else best
+        # It is the one that was told, unless surer lines of the photo went before.
+        made[name] = replace(best, focal_source="shared") if best.focal_source == "exif" else best
     return made
-
-
-def _told(camera: Camera) -> bool:
-    """Whether a camera's focal length is the one that it was told."""
-    return camera.focal_source == "exif"

@@ -7,7 +7,7 @@ have to turn about the ray m through its middle, ``asin(|n . d| / |m x d|)``.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -181,18 +181,16 @@ def read_segments(path: str | Path, use: str) -> dict[str, np.ndarray]:
     }
 
 
-def border_lines(labels: np.ndarray, pairs: Sequence[tuple[int, int]]) -> np.ndarray:
-    """Return long lines along the borders between labels, however ragged; longest first.
+def border_lines(labels: np.ndarray) -> np.ndarray:
+    """Return long lines along the feet and tops of walls, however ragged; longest first.
 
-    `labels` is (h, w) uint8, `pairs` are those whose common borders count. The lines are (n, 4)
-    float64, ``x1 y1 x2 y2`` in pixels: least-squares lines through stretches of border, at most
-    `CAMERA.max_borders`.
+    `labels` is (h, w) uint8. The lines are (n, 4) float64, ``x1 y1 x2 y2`` in pixels: least-squares
+    lines through stretches of border, at most `CAMERA.max_borders`.
     """
     edges = np.zeros(labels.shape, dtype=np.uint8)
-    for first, second in pairs:
-        for one, other in ((first, second), (second, first)):
-            near = cv2.dilate((labels == other).astype(np.uint8), np.ones((3, 3), np.uint8))
-            edges |= near & (labels == one).astype(np.uint8)
+    for one, other in ((WALL, FLOOR), (FLOOR, WALL), (WALL, CEILING), (CEILING, WALL)):
+        near = cv2.dilate((labels == other).astype(np.uint8), np.ones((3, 3), np.uint8))
+        edges |= near & (labels == one).astype(np.uint8)
     size = labels.shape[1]
     lines: list[np.ndarray] = []
     for _ in range(CAMERA.max_borders):
@@ -207,10 +205,10 @@ def border_lines(labels: np.ndarray, pairs: Sequence[tuple[int, int]]) -> np.nda
         if hough is None:
             break
         segments = hough.reshape(-1, 4).astype(np.float64)
-        length = np.hypot(segments[:, 2] - segments[:, 0], segments[:, 3] - segments[:, 1])
         rows, columns = np.nonzero(edges)
         points = np.stack([columns, rows], axis=1).astype(np.float64)
-        line, used = _refine(segments[int(np.argmax(length))], points, CAMERA.border_width * size)
+        longest = segments[int(np.argmax(_lengths(segments)))]
+        line, used = _refine(longest, points, CAMERA.border_width * size)
         edges[rows[used], columns[used]] = 0
         lines.append(line)
         if not used.any():
@@ -326,13 +324,12 @@ def weighted_segments(
     noise, level = np.full(len(lines), CAMERA.end_noise_px), np.zeros(len(lines), dtype=bool)
     if labels is not None:
         small = cv2.resize(labels, (columns, rows), interpolation=cv2.INTER_NEAREST)
-        borders = border_lines(small, ((WALL, FLOOR), (WALL, CEILING)))
+        borders = border_lines(small)
         lines = np.vstack([lines, borders])
         weight = np.concatenate([weight, np.full(len(borders), CAMERA.border_weight)])
         noise = np.concatenate([noise, np.full(len(borders), CAMERA.border_noise_px)])
         level = np.concatenate([level, np.ones(len(borders), dtype=bool)])
-    length = np.hypot(lines[:, 2] - lines[:, 0], lines[:, 3] - lines[:, 1])
-    weight = weight * np.sqrt(np.minimum(length / columns, 0.3) / 0.06)
+    weight = weight * np.sqrt(np.minimum(_lengths(lines) / columns, 0.3) / 0.06)
     weight = weight / np.sqrt(1.0 + _neighbours(lines, columns) / CAMERA.crowd)
     return Segments(lines, ((columns - 1) / 2, (rows - 1) / 2), weight, noise, level)
 

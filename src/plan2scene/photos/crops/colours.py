@@ -16,7 +16,7 @@ from plan2scene.colour import srgb_to_linear
 from plan2scene.paint.observations import PlaneColours, SurfaceColour, equal_shares
 from plan2scene.photos.crops.filter import inner_mask, unclipped
 from plan2scene.photos.labels.palette import CEILING, FLOOR, OTHER, WALL
-from plan2scene.photos.planes.planes import PhotoPlane, Plane
+from plan2scene.photos.planes.planes import PhotoPlane
 
 MIN_PIXELS = 200  #: Planes of fewer pixels are left out
 MOST_PIXELS = 20000  #: At most about so many pixels of a plane are used
@@ -40,33 +40,44 @@ def colours_of_photo(
     `inner` are the pixels (h, w) bool of each plane that lie off its border.
     """
     count = len({room for item in planes if item.own for room in item.rooms})
+    usable = unclipped(image)
     observed = []
-    for item, pixels in zip(planes, inner, strict=True):
-        plane, seen = item.plane, plane_colours(image, camera, item.plane, pixels)
-        if seen is not None:
-            # Where the place is not known any of the table's rooms may be meant.
-            weight = seen[0] / (count if item.own else 1)
-            facts = photo, item.rooms, plane.surface, plane.index, item.own, item.walls
-            observed.append(PlaneColours(*facts, weight, seen[1]))
+    for item, mask in zip(planes, inner, strict=True):
+        plane = item.plane
+        rows, columns = np.nonzero(mask & usable)
+        if len(rows) < MIN_PIXELS:
+            continue
+        share = len(rows) / plane.mask.size
+        few = slice(None, None, max(1, len(rows) // MOST_PIXELS))
+        rows, columns = rows[few], columns[few]
+        rays = camera.rays_at(rows, columns)
+        steep = (rays @ np.asarray(plane.normal)) ** 2 / (rays**2).sum(axis=1)
+        # Where the place is not known any of the table's rooms may be meant.
+        weight = share * float(steep.mean()) / (count if item.own else 1)
+        shares = equal_shares(srgb_to_linear(image[rows, columns]), steep)
+        facts = photo, item.rooms, plane.surface, plane.index, item.own, item.walls
+        observed.append(PlaneColours(*facts, weight, shares))
     return observed
 
 
-def plane_colours(
-    image: np.ndarray, camera: Camera, plane: Plane, inner: np.ndarray
-) -> tuple[float, np.ndarray] | None:
-    """Return weight and colours of a plane (:class:`PlaneColours`); None of too few pixels.
+def _joinery(
+    image: np.ndarray,
+    places: np.ndarray,
+    photo: str,
+    room_id: str,
+    facts: tuple[str, int, tuple[str, ...]],
+) -> list[PlaneColours]:
+    """Return the colours of pixels (n, 2) of row and column of a photo; none of too few.
 
-    `image` (h, w, 3) uint8 sRGB; `inner` (h, w) bool.
+    `facts` are surface, number and walls of :class:`PlaneColours`.
     """
-    rows, columns = np.nonzero(inner & unclipped(image))
-    if len(rows) < MIN_PIXELS:
-        return None
-    share = len(rows) / plane.mask.size
-    few = slice(None, None, max(1, len(rows) // MOST_PIXELS))
-    rows, columns = rows[few], columns[few]
-    rays = camera.rays_at(rows, columns)
-    steep = (rays @ np.asarray(plane.normal)) ** 2 / (rays**2).sum(axis=1)
-    return share * float(steep.mean()), equal_shares(srgb_to_linear(image[rows, columns]), steep)
+    linear = srgb_to_linear(image[tuple(places.T)])
+    if len(linear) < MIN_PIXELS:
+        return []
+    weight = len(linear) / image[..., 0].size
+    shares = equal_shares(linear, np.ones(len(linear)))
+    surface, number, walls = facts
+    return [PlaneColours(photo, (room_id,), surface, number, True, walls, weight, shares)]
 
 
 def door_colours(
@@ -81,13 +92,8 @@ def door_colours(
     usable = unclipped(image)
     observed = []
     for index, (opening_id, pixels) in enumerate(doors):
-        rows, columns = pixels[usable[tuple(pixels.T)]].T
-        if len(rows) < MIN_PIXELS:
-            continue
-        colours = equal_shares(srgb_to_linear(image[rows, columns]), np.ones(len(rows)))
-        weight = len(rows) / usable.size
-        facts = photo, (room_id,), "door", index, True, (opening_id,), weight
-        observed.append(PlaneColours(*facts, colours))
+        places = pixels[usable[tuple(pixels.T)]]
+        observed += _joinery(image, places, photo, room_id, ("door", index, (opening_id,)))
     return observed
 
 
@@ -106,11 +112,8 @@ def frame_colours(
         cv2.dilate(wall, np.ones((size, size), np.uint8)) > 0
         for size in (max(3, round(FRAME_WIDTH * width)), 3)
     )
-    rows, columns = np.nonzero(likely & (labels == OTHER) & near & ~border & unclipped(image))
-    if len(rows) < MIN_PIXELS:
-        return []
-    shown = equal_shares(srgb_to_linear(image[rows, columns]), np.ones(len(rows)))
-    return [PlaneColours(photo, (room_id,), "frame", 0, True, (), len(rows) / labels.size, shown)]
+    places = np.argwhere(likely & (labels == OTHER) & near & ~border & unclipped(image))
+    return _joinery(image, places, photo, room_id, ("frame", 0, ()))
 
 
 def surface_colours(

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import logging
+import math
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,8 +23,6 @@ from plan2scene.paint.observations import PlaneColours, SurfaceColour, write_col
 from plan2scene.parallel import each
 from plan2scene.photos.camera.lines import SEGMENTS, read_segments
 from plan2scene.photos.crops.candidates import (
-    CropSettings,
-    WindowSeed,
     candidates_of_photo,
     planes_of_photo,
     rooms_by_size,
@@ -36,7 +35,14 @@ from plan2scene.photos.crops.colours import (
 )
 from plan2scene.photos.crops.filter import inner_mask, mark_outvoted, strong_edges
 from plan2scene.photos.crops.floor_parts import floor_parts, of_other_rooms
-from plan2scene.photos.crops.sampling import CROP_PX, Candidate, Crop, Verdict
+from plan2scene.photos.crops.sampling import (
+    CROP_PX,
+    CROPS,
+    Candidate,
+    Crop,
+    CropSettings,
+    Verdict,
+)
 from plan2scene.photos.crops.selection import write_tables
 from plan2scene.photos.labels.palette import (
     DOOR,
@@ -52,6 +58,7 @@ from plan2scene.photos.locate.seen_doors import seen_doors
 from plan2scene.photos.locate.seen_planes import seen_planes
 from plan2scene.photos.photo_files import read_photo
 from plan2scene.photos.planes.planes import plane_row, write_planes
+from plan2scene.seeds import generator
 from plan2scene.stage_json import read_stage_json
 
 if TYPE_CHECKING:
@@ -89,51 +96,26 @@ class HouseCrops:
     """What the photos of a house give."""
 
     candidates: list[Candidate]
-    planes: list[dict[str, Any]]
-    colours: list[PlaneColours]
+    #: Rows of planes.parquet.
+    planes: list[dict[str, Any]] = field(default_factory=list)
+    colours: list[PlaneColours] = field(default_factory=list)
     #: Photo -> gains (3,), as of :func:`plan2scene.paint.light.house_gains`.
-    gains: dict[str, np.ndarray]
+    gains: dict[str, np.ndarray] = field(default_factory=dict)
+    #: Whether the crops come from a folder: they keep their candidates' numbers.
+    precomputed: bool = False
 
 
-def extract_crops(
-    house: House,
-    rooms_of_photo: Mapping[str, Sequence[str]],
-    photos: Mapping[str, Path],
-    masks_dir: str | Path,
-    output: CropFiles,
-    *,
-    dataset: str,
-    seed: int,
-    settings: CropSettings | None = None,
-    cameras: str | Path | None = None,
-    threads: int = 1,
+def write_crops(
+    made: HouseCrops, output: CropFiles, *, dataset: str, house_id: str
 ) -> pd.DataFrame:
-    """Sample the crops of a house's photos, write the stage's files, and return the crop table.
-
-    A photo of several rooms (`rooms_of_photo`, ``photo_rooms.json``) gives rows for each, with the
-    planes at the distance that each room's own height gives. `masks_dir` is the output of the masks
-    stage; photos that it left out (``warnings.json``) are skipped. Windows are drawn by (seed,
-    house, photo, surface, plane). With `cameras` (``cameras.json`` of the places stage) located
-    photos give each room in sight its own crops. `threads` photos are worked on at a time; the
-    result does not depend on it.
-    """
-    chosen = CropSettings() if settings is None else settings
-    inputs = (house, rooms_of_photo, photos, masks_dir)
-    made = crops_of_house(*inputs, seed=seed, settings=chosen, cameras=cameras, threads=threads)
-    return _write(made, output, dataset=dataset, house_id=house.id)
-
-
-def _write(
-    made: HouseCrops, output: CropFiles, *, dataset: str, house_id: str, keep_index: bool = False
-) -> pd.DataFrame:
-    """Write the stage's files and return the crop table (`selection.write_tables`)."""
+    """Write the stage's files and return the crop table."""
     names = {"dataset": dataset, "house_id": house_id}
     gains = {photo: [round(float(g), 6) for g in made.gains[photo]] for photo in sorted(made.gains)}
     write_json(output.light, {"gains": gains})
     write_planes(output.planes, made.planes, **names)
     write_colours(output.colours, made.colours, **names)
     tables = (output.crops, output.candidates)
-    return write_tables(made.candidates, *tables, keep_index=keep_index, **names)
+    return write_tables(made.candidates, *tables, keep_index=made.precomputed, **names)
 
 
 def crops_of_house(
@@ -143,11 +125,19 @@ def crops_of_house(
     masks_dir: str | Path,
     *,
     seed: int,
-    settings: CropSettings,
+    settings: CropSettings = CROPS,
     cameras: str | Path | None = None,
     threads: int = 1,
 ) -> HouseCrops:
-    """Return what the photos of a house give. Parameters as in :func:`extract_crops`."""
+    """Sample the crops of a house's photos.
+
+    A photo of several rooms (`rooms_of_photo`, ``photo_rooms.json``) gives rows for each, with the
+    planes at the distance that each room's own height gives. `masks_dir` is the output of the masks
+    stage; photos that it left out (``warnings.json``) are skipped. Windows are drawn by (seed,
+    house, photo, surface, plane). With `cameras` (``cameras.json`` of the places stage) located
+    photos give each room in sight its own crops. `threads` photos are worked on at a time; the
+    result does not depend on it.
+    """
     masks_dir = Path(masks_dir)
     known = read_stage_json(masks_dir / "cameras.json", "cameras")
     labelled = []
@@ -221,8 +211,9 @@ def _crops_of_photo(
         planes = [p for p in parts if p.plane.surface != "floor" or p.plane.index not in left_out]
     edges = strong_edges(image)
     inner = [inner_mask(item.plane.mask, edges) for item in planes]
-    window_seed = WindowSeed(seed, house.id, photo)
-    candidates = candidates_of_photo(image, camera, planes, settings, window_seed, inner)
+    rng = partial(generator, seed, "crops", house.id, photo)
+    drawn = candidates_of_photo(image, camera, planes, settings, rng, inner)
+    candidates = [replace(candidate, photo=photo) for candidate in drawn]
     _log.info("%s: %d candidates, camera %s", photo, len(candidates), camera.focal_source)
     colours = colours_of_photo(image, camera, planes, photo, inner)
     inner = [inner_mask(part.plane.mask, edges) for part in floors]
@@ -249,11 +240,8 @@ def read_precomputed_crops(
     house: House,
     rooms_of_photo: Mapping[str, Sequence[str]],
     folder: str | Path,
-    output: CropFiles,
-    *,
-    dataset: str,
-) -> pd.DataFrame:
-    """Write the stage's files from precomputed crops in Rent3D++'s ``surface_crops`` layout.
+) -> HouseCrops:
+    """Return precomputed crops in Rent3D++'s ``surface_crops`` layout.
 
     `folder` has ``{floor,wall,ceiling}/{photo stem}_{mask}_crop{k}.png`` of 128x128; their size
     in metres, window, sharpness and grazing angle are unknown (NaN). Raises InputError when
@@ -269,24 +257,17 @@ def read_precomputed_crops(
             match = _CROP_NAME.fullmatch(path.name)
             if match is None or match["stem"] not in photo_of_stem:
                 continue
-            crop = _precomputed_crop(path, int(match["index"]), house.id)
+            image = read_image(path, house_id=house.id)
+            if image.shape != (CROP_PX, CROP_PX, 3):
+                expected, found = f"{CROP_PX}x{CROP_PX}", f"{image.shape[1]}x{image.shape[0]}"
+                raise InputError(f"a crop of {expected}", found, file=path, house=house.id)
+            crop = Crop(int(match["index"]), (math.nan,) * 4, math.nan, math.nan, math.nan, image)
             photo = photo_of_stem[match["stem"]]
             rooms = tuple(dict.fromkeys(rooms_of_photo[photo]))
             mask = int(match["mask"])
             candidates.append(Candidate(crop, Verdict(), surface, mask, photo, rooms))
     candidates.sort(key=lambda candidate: candidate.photo)
-    made = HouseCrops(candidates, [], [], {})
-    return _write(made, output, dataset=dataset, house_id=house.id, keep_index=True)
-
-
-def _precomputed_crop(path: Path, index: int, house_id: str) -> Crop:
-    """Return a crop read from a file."""
-    image = read_image(path, house_id=house_id)
-    if image.shape != (CROP_PX, CROP_PX, 3):
-        found = f"{image.shape[1]}x{image.shape[0]}"
-        raise InputError(f"a crop of {CROP_PX}x{CROP_PX}", found, file=path, house=house_id)
-    nan = float("nan")
-    return Crop(index, (nan, nan, nan, nan), nan, nan, nan, image)
+    return HouseCrops(candidates, precomputed=True)
 
 
 def _check_sizes(

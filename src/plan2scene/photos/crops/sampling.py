@@ -12,9 +12,10 @@ medoid of its crops.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import StrEnum
+from itertools import product
 
 import cv2
 import numpy as np
@@ -23,6 +24,7 @@ from plan2scene.camera import Camera
 from plan2scene.images import jpeg_bytes
 from plan2scene.photos.planes.planes import Plane
 from plan2scene.photos.planes.rectification import RectifiedPlane, plane_pixels, rectify
+from plan2scene.photos.planes.walls import PLANES
 
 GRAVE = 1.0  #: Score of a window that may show something else than its surface
 #: The reasons of a crop that is selected for want of a better one begin with this.
@@ -103,14 +105,27 @@ CROP_PX = 128  #: Side of a crop, pixels (paper section 5.2)
 
 
 @dataclass(frozen=True)
+class CropSettings:
+    """How windows are drawn, as a configuration may say (``crops``)."""
+
+    #: Sides of the windows, metres; the first that gives a good one on a plane is taken.
+    sizes_m: tuple[float, ...] = (1.0, 0.75, 0.5, 0.35)
+    #: Most good crops of a plane, and most draws for each (paper section 5.2).
+    per_mask: int = 10
+    tries: int = 1000
+    #: The prior of :func:`plan2scene.photos.planes.planes.split_planes`, metres.
+    camera_height_m: float = PLANES.camera_height_m
+    #: Whether windows are judged by :mod:`plan2scene.photos.crops.filter`.
+    filter: bool = True
+
+
+CROPS = CropSettings()
+
+
+@dataclass(frozen=True)
 class SamplingSettings:
     """How windows are drawn and cut. Without a source: chosen on the synthetic homes."""
 
-    #: Sides of the windows, metres; the first that fits a plane is taken.
-    sizes_m: tuple[float, ...] = (1.0, 0.75, 0.5, 0.35)
-    #: Most crops of a plane, and most draws for each (paper section 5.2).
-    per_mask: int = 10
-    tries: int = 1000
     #: Most crop pixels per photo pixel (paper: 256 px windows of a x3 image at 128 px are 1.5),
     #: then those for planes that are nowhere that sharp: their colour is still useful.
     upsampling: tuple[float, float] = (1.5, 3.0)
@@ -167,39 +182,32 @@ def sample_candidates(
     camera: Camera,
     plane: Plane,
     rng: np.random.Generator,
-    *,
-    sizes_m: Sequence[float] = SAMPLING.sizes_m,
-    per_mask: int = SAMPLING.per_mask,
-    tries: int = SAMPLING.tries,
+    settings: CropSettings = CROPS,
     judge: Judge | None = None,
 ) -> list[Candidate]:
-    """Return the windows that `rng` draws on a plane of a photo, at most `per_mask` of them good.
+    """Return the windows that `rng` draws on a plane of a photo (h, w, 3) uint8 sRGB.
 
-    `image` is (h, w, 3) uint8 sRGB. Sides `sizes_m`, metres, are tried in this order, until one
-    gives a good window; each crop takes at most `tries` draws. `judge` says what is wrong with a
-    window; without one all are good.
+    `judge` says what is wrong with a window; without one all are good.
     """
     candidates: list[Candidate] = []
-    wanted = per_mask if judge is None else SAMPLING.draws_per_crop * per_mask
+    wanted = settings.per_mask * (1 if judge is None else SAMPLING.draws_per_crop)
     pixels = plane_pixels(camera, plane)
-    for upsampling in SAMPLING.upsampling:
-        for size_m in sizes_m:
-            density = CROP_PX / size_m / upsampling
-            rectified = rectify(image, camera, plane, min_density=density, pixels=pixels)
-            if rectified is None:
-                continue
-            good = 0
-            for row, column in draw_windows(rectified, size_m, rng, per_mask=wanted, tries=tries):
-                crop = cut_window(rectified, camera, len(candidates), row, column, size_m)
-                verdict = Verdict()
-                if judge is not None:
-                    verdict = judge(rectified, row, column, window_pixels(rectified, size_m), crop)
-                candidates.append(Candidate(crop, verdict, plane.surface, plane.index))
-                good += verdict.good
-                if good == per_mask:
-                    break
-            if good:
-                return candidates
+    for upsampling, size_m in product(SAMPLING.upsampling, settings.sizes_m):
+        density = CROP_PX / size_m / upsampling
+        rectified = rectify(image, camera, plane, min_density=density, pixels=pixels)
+        if rectified is None:
+            continue
+        good = 0
+        side = window_pixels(rectified, size_m)
+        for row, column in draw_windows(rectified, side, rng, wanted, settings.tries):
+            crop = cut_window(rectified, camera, len(candidates), row, column, size_m)
+            verdict = Verdict() if judge is None else judge(rectified, row, column, side, crop)
+            candidates.append(Candidate(crop, verdict, plane.surface, plane.index))
+            good += verdict.good
+            if good == settings.per_mask:
+                break
+        if good:
+            break
     return candidates
 
 
@@ -209,22 +217,17 @@ def window_pixels(rectified: RectifiedPlane, size_m: float) -> int:
 
 
 def draw_windows(
-    rectified: RectifiedPlane,
-    size_m: float,
-    rng: np.random.Generator,
-    *,
-    per_mask: int = SAMPLING.per_mask,
-    tries: int = SAMPLING.tries,
+    rectified: RectifiedPlane, side: int, rng: np.random.Generator, wanted: int, tries: int
 ) -> list[tuple[int, int]]:
     """Return (row, column) of the top left pixels of random windows fully inside the mask.
 
-    No window is drawn twice; fewer come back when `tries` draws find none.
+    No window is drawn twice; fewer than `wanted` come back when `tries` draws find none.
     """
-    inside = rectified.places(window_pixels(rectified, size_m))
+    inside = rectified.places(side)
     if inside.sum() < SAMPLING.least_places:
         return []
     chosen: list[tuple[int, int]] = []
-    for _ in range(per_mask):
+    for _ in range(wanted):
         row = rng.integers(0, inside.shape[0], tries)
         column = rng.integers(0, inside.shape[1], tries)
         hits = np.nonzero(inside[row, column])[0]

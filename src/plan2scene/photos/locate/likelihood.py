@@ -62,7 +62,6 @@ class Profile:
     #: (classes, a, rows + 1), sum of the log probability of the labels below each row's lower
     #: border, given each class; over all rows at the end. Pixels count 1 / all pixels.
     sums: np.ndarray
-    counts: np.ndarray  #: (labels, a, rows), share of the photo's pixels with each label
 
     @property
     def rows(self) -> int:
@@ -88,9 +87,9 @@ class Profile:
 
 
 def label_counts(
-    labels: np.ndarray, camera: Camera, probabilities: np.ndarray | None = None
+    labels: np.ndarray, camera: Camera, probabilities: np.ndarray | None
 ) -> tuple[np.ndarray, np.ndarray, float]:
-    """Return (labels, a, rows) counts by direction, azimuths (a,) and the lowest elevation.
+    """Return (labels, a, rows) shares by direction, azimuths (a,) and the lowest elevation.
 
     `labels` (h, w) uint8; values that are no label count nowhere. With `probabilities`
     (l, h', w') of the same view each pixel counts for every label, by how likely that is.
@@ -134,8 +133,8 @@ def make_profile(
     labels: np.ndarray,
     camera: Camera,
     table: np.ndarray,
-    blur: float = 0.0,
-    probabilities: np.ndarray | None = None,
+    blur: float,
+    probabilities: np.ndarray | None,
 ) -> Profile:
     """Return the profile of a mask; `table` (classes, labels) log probabilities.
 
@@ -143,24 +142,13 @@ def make_profile(
     `label_counts`.
     """
     counts, azimuth, lowest = label_counts(labels, camera, probabilities)
-    log = np.tensordot(table, counts, axes=(1, 0))
-    if blur > 0.0:
-        log = np.stack([_blurred(part, blur) for part in log])
-    sums = np.concatenate([np.zeros((*log.shape[:2], 1)), np.cumsum(log, axis=2)], axis=2)
-    return Profile(azimuth, lowest, sums, counts)
-
-
-def _blurred(values: np.ndarray, spread: float) -> np.ndarray:
-    """Return (a, rows) values blurred by a Gaussian of that spread, radians."""
-    return np.asarray(
-        cv2.GaussianBlur(
-            values,
-            (0, 0),
-            sigmaX=spread / LOCATE.elevation_step,
-            sigmaY=spread / LOCATE.azimuth_step,
-            borderType=cv2.BORDER_REPLICATE,
-        )
-    )
+    up, across = blur / LOCATE.elevation_step, blur / LOCATE.azimuth_step
+    log = [
+        cv2.GaussianBlur(part, (0, 0), sigmaX=up, sigmaY=across, borderType=cv2.BORDER_REPLICATE)
+        for part in np.tensordot(table, counts, axes=(1, 0))
+    ]
+    sums = np.pad(np.cumsum(log, axis=2), ((0, 0), (0, 0), (1, 0)))
+    return Profile(azimuth, lowest, sums)
 
 
 def agreement(profile: Profile, shape: RoomShape, sight: Sight, heights: np.ndarray) -> np.ndarray:
@@ -177,7 +165,10 @@ def agreement(profile: Profile, shape: RoomShape, sight: Sight, heights: np.ndar
     for height in heights.tolist():
         foot = profile.row(-height / sight.reach)
         head = profile.row((shape.height - height) / sight.reach)
-        total = _bare(profile, index, foot, head).reshape(eyes, columns).sum(axis=1)
+        bare = profile.between(ROOM["floor"], index, np.zeros_like(foot), foot)
+        bare += profile.between(ROOM["wall"], index, foot, head)
+        bare += profile.between(ROOM["ceiling"], index, head, np.full_like(head, profile.rows))
+        total = bare.reshape(eyes, columns).sum(axis=1)
         for hole, at in zip(shape.holes, met, strict=True):
             if len(at):
                 states = _through(profile, hole, sight.of(at), index[at], foot[at], height)
@@ -185,14 +176,6 @@ def agreement(profile: Profile, shape: RoomShape, sight: Sight, heights: np.ndar
                 total += np.max(sums, axis=0)
         totals.append(total)
     return np.stack(totals, axis=1)
-
-
-def _bare(profile: Profile, index: np.ndarray, foot: np.ndarray, head: np.ndarray) -> np.ndarray:
-    """Return the log probability (n,) of the labels in each direction of a room without holes."""
-    total = profile.between(ROOM["floor"], index, np.zeros_like(foot), foot)
-    total += profile.between(ROOM["wall"], index, foot, head)
-    total += profile.between(ROOM["ceiling"], index, head, np.full_like(head, profile.rows))
-    return np.asarray(total)
 
 
 def _through(

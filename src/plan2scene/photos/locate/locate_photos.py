@@ -50,29 +50,6 @@ _log = logging.getLogger("plan2scene")
 
 
 @dataclass(frozen=True)
-class Evidence:
-    """What is known of a best pose."""
-
-    #: Lead in score over the best pose of another heading or room, and at another position.
-    heading: float
-    elsewhere: float
-    #: What tells openings, of `LocateSettings.less_sure`.
-    openings: str
-    #: How many rooms it may have been taken in.
-    rooms: int = 1
-
-
-def probability(evidence: Evidence) -> float:
-    """Return the probability that heading and position are right."""
-    leads = np.maximum([evidence.heading, evidence.elsewhere], 0.0)
-    logit = LOCATE.weights[0] + float(
-        np.log10(leads + LOCATE.lead_floor) @ np.array(LOCATE.weights[1:])
-    )
-    logit -= LOCATE.less_sure[evidence.openings] + LOCATE.more_rooms * float(np.log(evidence.rooms))
-    return float(1.0 / (1.0 + np.exp(-logit)))
-
-
-@dataclass(frozen=True)
 class Shot:
     """A photo to locate: its camera, its labels, and the rooms that it may have been taken in."""
 
@@ -155,10 +132,11 @@ def locate_shots(
         )
     poses = {}
     for spot, every in zip(spots, hypotheses, strict=True):
+        best, found = every[0], probability(every, openings)
         for name, quarters in spot.quarters.items():
-            pose = _pose(shots[name], every, quarters, openings)
-            sure = rooms[name][pose.room_id] if name in rooms else 1.0
-            poses[name] = replace(pose, located=sure * pose.located)
+            sure = rooms[name][best.room_id] if name in rooms else 1.0
+            camera = turned(shots[name].camera, best.turn + quarters * np.pi / 2)
+            poses[name] = Pose(best.room_id, best.position, camera, sure * found)
     return Located(poses, rooms)
 
 
@@ -234,13 +212,16 @@ def _view(shot: Shot, table: np.ndarray, quarters: int) -> View:
     return View(profile(LOCATE.coarse_blur), profile(LOCATE.fine_blur), quarters)
 
 
-def _pose(shot: Shot, poses: Sequence[Hypothesis], quarters: int, openings: str) -> Pose:
-    """Return a photo's pose by the best of its spot's, and its probability."""
-    best, (heading, elsewhere) = poses[0], margins(poses)
+def probability(poses: Sequence[Hypothesis], openings: str) -> float:
+    """Return the probability that heading and position of the first pose are right.
+
+    `openings` is what tells them in the masks, of `LocateSettings.less_sure`.
+    """
+    leads = np.log10(np.maximum(margins(poses), 0.0) + LOCATE.lead_floor)
     rooms = len({pose.room_id for pose in poses})
-    located = probability(Evidence(heading, elsewhere, openings, rooms))
-    camera = turned(shot.camera, best.turn + quarters * np.pi / 2)
-    return Pose(best.room_id, best.position, camera, located)
+    logit = LOCATE.weights[0] + float(leads @ np.array(LOCATE.weights[1:]))
+    logit -= LOCATE.less_sure[openings] + LOCATE.more_rooms * float(np.log(rooms))
+    return float(1.0 / (1.0 + np.exp(-logit)))
 
 
 def locate_photos(
@@ -266,57 +247,39 @@ def locate_photos(
         name: Camera.from_json(value, file=file)
         for name, value in read_stage_json(file, "cameras").items()
     }
-    told = read_stage_json(folder / KINDS_FILE, "kinds")
-    kinds = told["photos"]
+    kinds = read_stage_json(folder / KINDS_FILE, "kinds")
     anywhere = [room.id for room in house.rooms]
-    shots = {
-        name: Shot(
-            camera,
-            read_label_png(folder / f"{Path(name).stem}.png", house_id=house.id, openings=True),
+    shots: dict[str, Shot] = {}
+    told_by: dict[str, list[str]] = {}
+    for name in sorted(cameras.keys() & rooms_of_photo.keys()):
+        stem, hints = Path(name).stem, None
+        if not rooms_of_photo[name]:
+            kind = kinds["photos"].get(name)
+            named = fitting_rooms(house, stem) if name_hints else {}
+            hints = PhotoEvidence(kinds=np.array(kind) if kind else None, named=named)
+            told_by[name] = [kinds["source"]] * bool(kind) + ["name"] * bool(named)
+        likely = folder / PROBABILITIES / f"{stem}.png"
+        shots[name] = Shot(
+            cameras[name],
+            read_label_png(folder / f"{stem}.png", house_id=house.id, openings=True),
             tuple(dict.fromkeys(rooms_of_photo[name] or anywhere)),
-            _probabilities(folder / PROBABILITIES / f"{Path(name).stem}.png", house.id),
-            None if rooms_of_photo[name] else _hints(house, name, kinds.get(name), name_hints),
+            read_probability_png(likely, house_id=house.id) if likely.exists() else None,
+            hints,
         )
-        for name, camera in sorted(cameras.items())
-        if name in rooms_of_photo
-    }
     matches = {
         (a, b): int(count) for a, b, count in read_stage_json(folder / MATCHES_FILE, "matches")
     }
     spots = {(a, b): int(turns) for a, b, turns in read_stage_json(folder / SPOTS_FILE, "spots")}
     located = locate_shots(house, shots, matches, spots, threads)
-    entries = {
-        name: pose_to_json(cameras[name], located.poses.get(name))
-        | (
-            {"rooms": located.rooms[name], "evidence": _evidence(shots[name], told["source"])}
-            if name in located.rooms
-            else {}
-        )
-        for name in sorted(cameras)
-    }
+    entries = {}
+    for name in sorted(cameras):
+        entries[name] = pose_to_json(cameras[name], located.poses.get(name))
+        if name in located.rooms:
+            entries[name] |= {"rooms": located.rooms[name], "evidence": told_by[name]}
     write_json(output, entries)
     count = sum(pose.believed for pose in located.poses.values())
     _log.info("%d of %d photos located", count, len(cameras))
     return located
-
-
-def _hints(
-    house: House, name: str, kinds: Sequence[float] | None, name_hints: bool
-) -> PhotoEvidence:
-    """Return what a photo tells of its room beside its labels."""
-    named = fitting_rooms(house, Path(name).stem) if name_hints else {}
-    return PhotoEvidence(kinds=np.array(kinds) if kinds else None, named=named)
-
-
-def _evidence(shot: Shot, source: str) -> list[str]:
-    """Return what told the kind of a photo's room: `source`, of kinds.json, and its name."""
-    hints = shot.hints or PhotoEvidence()
-    return [source] * (hints.kinds is not None) + ["name"] * bool(hints.named)
-
-
-def _probabilities(path: Path, house_id: str) -> np.ndarray | None:
-    """Return how likely each label of a photo is, None where the masks stage wrote none."""
-    return read_probability_png(path, house_id=house_id) if path.exists() else None
 
 
 def write_photo_rooms(

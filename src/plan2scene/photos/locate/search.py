@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,7 +61,7 @@ class RoomSearch:
         room_id: str,
         polygon: Polygon,
         views: Sequence[View],
-        grid: Grid = LOCATE.grid,
+        grid: Grid,
     ) -> None:
         """Score the grid by the photos that were taken from one spot."""
         self._shapes, self.room_id, self._views = shapes, room_id, views
@@ -93,16 +93,33 @@ class RoomSearch:
         return self._refined(self._turns[turn], int(point), int(level), prior).score
 
     def _refined(self, turn: float, point: int, level: int, prior: HeightPrior) -> Hypothesis:
-        """Return the pose that a pattern search from a point of the grid reaches."""
+        """Return the pose that a pattern search from a point of the grid reaches.
 
-        def score(eyes: np.ndarray, heights: np.ndarray) -> np.ndarray:
-            fine = [view.fine for view in self._views]
-            return self._scores(fine, turn, eyes, heights) + prior.log(heights)
-
-        start = np.array([self._grid[point, 0], self._heights[level], self._grid[point, 1]])
-        ceiling = self._shapes[self.room_id].height
-        position, value = _refined(score, self._polygon, ceiling, start)
-        return Hypothesis(self.room_id, turn, position, value)
+        The score is flat between the borders of its bins and is cheapest for many positions at
+        once; the optimisers of scipy try one at a time.
+        """
+        inner = self._polygon.buffer(-LOCATE.least_clearance_m)
+        highest = self._shapes[self.room_id].height - 0.2
+        here = np.array([self._grid[point, 0], self._heights[level], self._grid[point, 1]])
+        step, best = LOCATE.first_step_m, -np.inf
+        fine = [view.fine for view in self._views]
+        while step > LOCATE.last_step_m:
+            eyes = here[[0, 2]] + step * _AROUND
+            kept = shapely.contains_xy(inner, eyes[:, 0], eyes[:, 1])
+            kept[0] = True
+            eyes = eyes[kept]
+            heights = np.clip(here[1] + step * np.array([0.0, -1.0, 1.0]), 0.4, highest)
+            values = self._scores(fine, turn, eyes, heights) + prior.log(heights)
+            row, column = np.unravel_index(int(np.argmax(values)), values.shape)
+            if values[row, column] <= best + 1e-9:
+                step /= 2
+                continue
+            best = float(values[row, column])
+            here = np.array([eyes[row, 0], heights[column], eyes[row, 1]])
+            if row == 0 and column == 0:
+                step /= 2
+        x, y, z = here.tolist()
+        return Hypothesis(self.room_id, turn, (x, y, z), best)
 
     def _scores(
         self, profiles: Sequence[Profile], turn: float, eyes: np.ndarray, heights: np.ndarray
@@ -122,7 +139,7 @@ class RoomSearch:
         return total / np.sqrt(len(profiles))
 
 
-def grid_of(polygon: Polygon, grid: Grid = LOCATE.grid) -> np.ndarray:
+def grid_of(polygon: Polygon, grid: Grid) -> np.ndarray:
     """Return points (p, 2) of a room where a camera may stand, metres; at least one."""
     inner = polygon.buffer(-LOCATE.clearance_m)
     if not inner.is_empty:
@@ -152,34 +169,3 @@ def _peaks(grid: np.ndarray, scores: np.ndarray) -> list[tuple[int, int]]:
         peaks.append((index, int(np.argmax(scores[index]))))
         left[np.linalg.norm(grid - grid[index], axis=1) < LOCATE.apart_m] = -np.inf
     return peaks
-
-
-def _refined(
-    score: Callable[[np.ndarray, np.ndarray], np.ndarray],
-    polygon: Polygon,
-    ceiling: float,
-    start: np.ndarray,
-) -> tuple[tuple[float, float, float], float]:
-    """Return the position (x, y, z) that a pattern search from `start` reaches, and its score.
-
-    The score is flat between the borders of its bins and is cheapest for many positions at once;
-    the optimisers of scipy try one at a time.
-    """
-    inner = polygon.buffer(-LOCATE.least_clearance_m)
-    here, step, best = start, LOCATE.first_step_m, -np.inf
-    while step > LOCATE.last_step_m:
-        eyes = here[[0, 2]] + step * _AROUND
-        kept = shapely.contains_xy(inner, eyes[:, 0], eyes[:, 1])
-        kept[0] = True
-        eyes = eyes[kept]
-        heights = np.clip(here[1] + step * np.array([0.0, -1.0, 1.0]), 0.4, ceiling - 0.2)
-        values = score(eyes, heights)
-        row, column = np.unravel_index(int(np.argmax(values)), values.shape)
-        if values[row, column] <= best + 1e-9:
-            step /= 2
-            continue
-        best = float(values[row, column])
-        here = np.array([eyes[row, 0], heights[column], eyes[row, 1]])
-        if row == 0 and column == 0:
-            step /= 2
-    return (float(here[0]), float(here[1]), float(here[2])), best

@@ -87,7 +87,11 @@ def _holes_in_sight(
         points = _leaf_points(shape, hole)
         pixels = camera.project(points)
         inside = (pixels >= 0) & (pixels <= np.array([camera.width - 1, camera.height - 1]))
-        shown = inside.all(axis=1) & _in_sight(pose, shapes, points, index)
+        eye = pose.eye[[0, 2]]
+        away = points[:, [0, 2]] - eye
+        azimuth = np.arctan2(away[:, 0], away[:, 1])
+        sight = look(shapes, pose.room_id, np.tile(eye, (len(points), 1)), azimuth)
+        shown = inside.all(axis=1) & (sight.hole == index)  # no wall of the room hides it
         if shown.mean() >= DOORS.least_seen:
             yield hole.opening_id, np.unique(np.rint(pixels[shown]).astype(int), axis=0)[:, ::-1]
 
@@ -122,14 +126,3 @@ def _leaf_points(shape: RoomShape, hole: Hole) -> np.ndarray:
     at, height = np.meshgrid(along, up)
     floor = shape.start[hole.edge] + at.reshape(-1, 1) * shape.along[hole.edge]
     return np.stack([floor[:, 0], height.ravel(), floor[:, 1]], axis=1)
-
-
-def _in_sight(
-    pose: Pose, shapes: Mapping[str, RoomShape], points: np.ndarray, hole: int
-) -> np.ndarray:
-    """Return which points (n, 3) of an opening no wall of the room hides, (n,) bool."""
-    eye = np.array([pose.position[0], pose.position[2]])
-    away = points[:, [0, 2]] - eye
-    azimuth = np.arctan2(away[:, 0], away[:, 1])
-    sight = look(shapes, pose.room_id, np.tile(eye, (len(points), 1)), azimuth)
-    return np.asarray(sight.hole == hole)

@@ -8,7 +8,7 @@ since plan and pose are a few centimetres off.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -21,23 +21,6 @@ from plan2scene.photos.planes.walls import PLANES
 
 #: Kinds of opening through which a room is seen.
 OPEN = ("door", "passage")
-
-
-@dataclass(frozen=True, eq=False)
-class _Seen:
-    """The pixels (n,) of one surface's label: what their rays meet, and how steep these are."""
-
-    surface: str
-    pose: Pose
-    shapes: Mapping[str, RoomShape]
-    sight: Sight
-    #: (n,) float64: metres up for each metre ahead.
-    slope: np.ndarray
-
-    @property
-    def room(self) -> RoomShape:
-        """Return the room that the camera stands in."""
-        return self.shapes[self.pose.room_id]
 
 
 def seen_planes(
@@ -62,46 +45,45 @@ def seen_planes(
         turns = np.arctan2(rays[:, 0], rays[:, 2]) / (2 * np.pi)
         sight = around.of(np.rint(turns * LOCATE.directions).astype(int) % LOCATE.directions)
         slope = rays[:, 1] / np.maximum(np.hypot(rays[:, 0], rays[:, 2]), 1e-9)
-        owners = _wall_owners if surface == "wall" else _flat_owners
+        if surface == "wall":
+            owners = _wall_owners(pose, shapes, sight, slope)
+        else:
+            owners = _flat_owners(surface, pose, shapes, sight, slope)
         planes = []
-        for room_id, bare, mine in owners(_Seen(surface, pose, shapes, sight, slope)):
+        for room_id, bare, mine in owners:
             mask = np.zeros(labels.shape, bool)
             mask[rows[mine], columns[mine]] = True
             mask = without_specks(mask)
             if mask.any():
-                own = room_id == pose.room_id
-                edges = sight.edge[mine] if own and surface == "wall" else np.zeros(0, int)
-                walls = _walls_of(shapes[room_id], edges)
-                planes.append(PhotoPlane((room_id,), replace(bare, mask=mask), own, walls))
-        planes_of_photo += _numbered(planes)
+                own, walls = room_id == pose.room_id, set[str]()
+                if own and surface == "wall":
+                    walls = {shapes[room_id].walls[edge] for edge in np.unique(sight.edge[mine])}
+                known = tuple(sorted(walls - {""}))
+                planes.append(PhotoPlane((room_id,), replace(bare, mask=mask), own, known))
+        planes.sort(key=lambda item: (not item.own, -int(item.plane.mask.sum())))
+        planes_of_photo += [
+            replace(item, plane=replace(item.plane, index=index))
+            for index, item in enumerate(planes[: PLANES.max_walls])
+        ]
     surfaces = np.isin(labels, (FLOOR, CEILING, WALL)).sum()
     explained = sum(int(item.plane.mask.sum()) for item in planes_of_photo)
     return planes_of_photo if explained >= LOCATE.min_explained * surfaces else []
 
 
-def _walls_of(shape: RoomShape, edges: np.ndarray) -> tuple[str, ...]:
-    """Return the walls along edges (n,) of a room, each once."""
-    return tuple(sorted({shape.walls[edge] for edge in np.unique(edges)} - {""}))
+def _flat_owners(
+    surface: str, pose: Pose, shapes: Mapping[str, RoomShape], sight: Sight, slope: np.ndarray
+) -> Iterator[tuple[str, Plane, np.ndarray]]:
+    """Yield (room, its plane without a mask, pixels (n,) bool) of floor or ceiling pixels.
 
-
-def _numbered(planes: list[PhotoPlane]) -> list[PhotoPlane]:
-    """Return at most `PLANES.max_walls` planes of a surface, numbered: own first, then by size."""
-    order = sorted(planes, key=lambda item: (not item.own, -int(item.plane.mask.sum())))
-    return [
-        replace(item, plane=replace(item.plane, index=index))
-        for index, item in enumerate(order[: PLANES.max_walls])
-    ]
-
-
-def _flat_owners(seen: _Seen) -> Iterator[tuple[str, Plane, np.ndarray]]:
-    """Yield (room, its plane without a mask, pixels (n,) bool) of floor or ceiling pixels."""
-    pose, sight, slope, shape = seen.pose, seen.sight, seen.slope, seen.room
+    `sight` is what the pixels' rays meet, `slope` (n,) how many metres they rise for each ahead.
+    """
+    shape = shapes[pose.room_id]
     slack = LOCATE.off_share * sight.reach + LOCATE.off_m
     open_ = _open_to(shape, sight)
     tops = np.array([*(hole.top for hole in shape.holes), 0.0])[sight.hole]
     below_top = pose.position[1] + slope * sight.reach < tops - LOCATE.off_m
     for room_id in (pose.room_id, *_rooms_behind(shape)):
-        level = 0.0 if seen.surface == "floor" else seen.shapes[room_id].height
+        level = 0.0 if surface == "floor" else shapes[room_id].height
         rise = level - pose.position[1]
         meets = slope * rise > 1e-9
         away = np.where(meets, rise / np.where(meets, slope, 1.0), np.inf)
@@ -110,14 +92,16 @@ def _flat_owners(seen: _Seen) -> Iterator[tuple[str, Plane, np.ndarray]]:
         else:
             mine = (open_ == room_id) & below_top & (away > sight.reach + LOCATE.off_m)
             mine &= away < sight.beyond * (1 + LOCATE.off_share)
-        up = 1.0 if seen.surface == "floor" else -1.0
-        yield room_id, _plane(seen.surface, (0.0, up, 0.0), up * rise, pose), mine
+        up = 1.0 if surface == "floor" else -1.0
+        yield room_id, _plane(surface, (0.0, up, 0.0), up * rise, pose), mine
 
 
-def _wall_owners(seen: _Seen) -> Iterator[tuple[str, Plane, np.ndarray]]:
-    """Yield (room, its plane without a mask, pixels (n,) bool) of wall pixels."""
-    pose, sight, shape = seen.pose, seen.sight, seen.room
-    level = pose.position[1] + seen.slope * sight.reach
+def _wall_owners(
+    pose: Pose, shapes: Mapping[str, RoomShape], sight: Sight, slope: np.ndarray
+) -> Iterator[tuple[str, Plane, np.ndarray]]:
+    """Yield the same of wall pixels."""
+    shape = shapes[pose.room_id]
+    level = pose.position[1] + slope * sight.reach
     near_hole = np.zeros(len(level), bool)
     well_inside = np.zeros(len(level), bool)
     for hole in shape.holes:
@@ -135,7 +119,7 @@ def _wall_owners(seen: _Seen) -> Iterator[tuple[str, Plane, np.ndarray]]:
     open_ = _open_to(shape, sight)
     for room_id in _rooms_behind(shape):
         through = (open_ == room_id) & well_inside
-        for plane, edges in _wall_planes(pose, seen.shapes[room_id]):
+        for plane, edges in _wall_planes(pose, shapes[room_id]):
             yield room_id, plane, through & np.isin(sight.beyond_edge, edges)
 
 
