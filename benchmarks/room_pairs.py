@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from plan2scene.images import jpeg_bytes
-from plan2scene.mesh.assembly import build_parts
+from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.rays import Rays
 from plan2scene.mesh.texture_files import load_textures
 from plan2scene.plans.scene_json import read_scene_json
@@ -45,7 +45,7 @@ def pair(results: Path, house_id: str, room_id: str, *, lit: bool) -> np.ndarray
     """Return one room twice, (h, 2 w + gap, 3) uint8 sRGB."""
     scene, folder = files(results, house_id)
     house = read_scene_json(scene, house_id or "house")
-    parts = build_parts(house)
+    parts = assemble(house).parts
     with tempfile.TemporaryDirectory() as name:
         tiles = Path(name) / "tiles"
         shutil.copytree(folder, tiles, ignore=shutil.ignore_patterns("maps.json"))

@@ -149,18 +149,13 @@ def lifted(part: MeshPart, level: Level) -> MeshPart:
     return replace(part, mesh=mesh, extras={**part.extras, "level": level.id})
 
 
-def build_parts(house: House) -> list[MeshPart]:
-    """Return every part of a validated house, each with a name of its own.
+def assemble(house: House) -> Assembly:
+    """Return the storeys of a validated house; each of their parts has a name of its own.
 
     Floors, ceilings and wall faces carry their room's texture key and have exact areas: a
     floor's is its polygon's less where stairs come up, a wall face's is length x height less
     openings. Everything else (wall bodies, door leaves, window frames, glass) is plain.
     """
-    return assemble(house).parts
-
-
-def assemble(house: House) -> Assembly:
-    """Return the storeys of a house with their parts, see :func:`build_parts`."""
     storeys = []
     below: BaseGeometry | None = None
     well: BaseGeometry = Polygon()

@@ -7,7 +7,7 @@ the hemisphere over a point is taken by what is near, weighted by the cosine and
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -56,7 +56,9 @@ class Chart:
         height, width = self.size
         rows, columns = np.mgrid[-GUTTER : height + GUTTER, -GUTTER : width + GUTTER]
         uv = self.low + (np.stack([columns, rows], axis=-1) + 0.5) * self.texel_m
-        return uv, self._covered(uv)
+        corners = np.asarray(self.part.uv)[self.part.mesh.faces]
+        area = unary_union([Polygon(triangle) for triangle in corners])
+        return uv, np.asarray(shapely.contains_xy(area, uv[..., 0], uv[..., 1]))
 
     def world(self, uv: np.ndarray) -> np.ndarray:
         """Return points (n, 3) `LIFT` in front of the part, of texture coordinates (n, 2)."""
@@ -73,12 +75,6 @@ class Chart:
             values = values[tuple(nearest)]
         top, left = self.row - GUTTER, self.column - GUTTER
         image[top : top + values.shape[0], left : left + values.shape[1]] = values
-
-    def _covered(self, uv: np.ndarray) -> np.ndarray:
-        """Return which points (..., 2) of the part's coordinates lie on it."""
-        corners = np.asarray(self.part.uv)[self.part.mesh.faces]
-        area = unary_union([Polygon(triangle) for triangle in corners])
-        return np.asarray(shapely.contains_xy(area, uv[..., 0], uv[..., 1]))
 
 
 def packed(
@@ -116,8 +112,7 @@ def _shelves(charts: Sequence[Chart], side: int) -> list[Chart] | None:
             x, y, high = 0, y + high, 0
         if x + width > side or y + height > side:
             return None
-        place = {"column": x + GUTTER, "row": y + GUTTER}
-        placed.append(Chart(chart.part, chart.low, chart.size, chart.texel_m, **place))
+        placed.append(replace(chart, column=x + GUTTER, row=y + GUTTER))
         x, high = x + width, max(high, height)
     return placed
 
@@ -160,18 +155,13 @@ def bake_occlusion(parts: Sequence[MeshPart], flat: Sequence[MeshPart]) -> Occlu
     image = np.full((height, width), 255, np.uint8)
     uv = {}
     for chart in charts:
-        _shade(image, chart, rays)
+        texels, inside = chart.grid()
+        light = np.ones(inside.shape)
+        if inside.any():
+            light[inside] = _openness(chart, texels[inside], rays)
+        chart.paste(image, np.round(255 * light).astype(np.uint8), inside)
         uv[chart.part.name] = chart.texels(np.asarray(chart.part.uv)) / [width, height]
     return Occlusion(png_bytes(image), uv)
-
-
-def _shade(image: np.ndarray, chart: Chart, rays: Rays) -> None:
-    """Write a part's texels with their gutter into the image."""
-    uv, inside = chart.grid()
-    light = np.ones(inside.shape)
-    if inside.any():
-        light[inside] = _openness(chart, uv[inside], rays)
-    chart.paste(image, np.round(255 * light).astype(np.uint8), inside)
 
 
 def _openness(chart: Chart, uv: np.ndarray, rays: Rays) -> np.ndarray:

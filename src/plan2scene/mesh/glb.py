@@ -29,11 +29,11 @@ from plan2scene import __version__
 from plan2scene.colour import srgb_to_linear
 from plan2scene.house import House, Room, SurfaceKey
 from plan2scene.io import atomic_path
-from plan2scene.mesh.assembly import build_parts
+from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.baking import LAMP, LAMP_DROP_M, bake_occlusion, lamp_position
 from plan2scene.mesh.parts import GLASS, MeshPart
 from plan2scene.mesh.relief import normal_map, tangents
-from plan2scene.mesh.texture_files import UNTEXTURED, MapTexture, TileTexture
+from plan2scene.mesh.texture_files import UNTEXTURED, TileTexture
 from plan2scene.plans.geometry import room_polygon
 
 #: Kinds of buffers; repeating, trilinear (the numbers are OpenGL's).
@@ -60,7 +60,7 @@ def write_glb(
 
     PBR metallic 0, roughness by substance; ambient occlusion of textured surfaces on TEXCOORD_1;
     a lamp in each room and a sun. Surfaces without a texture get a plain colour. `parts` are those
-    of :func:`~plan2scene.mesh.assembly.build_parts`, when at hand. `unlit` shows colours as they
+    of :func:`~plan2scene.mesh.assembly.assemble`, when at hand. `unlit` shows colours as they
     are (KHR_materials_unlit), without occlusion and lamps; `relief` gives surfaces normal maps
     (:mod:`plan2scene.mesh.relief`). The same input gives the same bytes.
     """
@@ -70,7 +70,7 @@ def write_glb(
         facts = {"kind": "level", **asdict(level)}
         scene.graph.update(frame_from=house.id, frame_to=level_node(level.id), metadata=facts)
     materials: dict[object, PBRMaterial] = {}
-    parts = build_parts(house) if parts is None else parts
+    parts = assemble(house).parts if parts is None else parts
     textured = [part for part in parts if part.surface in textures]
     occlusion = None if unlit else bake_occlusion(parts, textured)
     shade = None if occlusion is None else _File(occlusion.png)
@@ -193,10 +193,10 @@ def _extras(part: MeshPart, tile: TileTexture | None) -> dict[str, Any]:
             "size_m": tile.size_m,
             "observed": tile.observed,
             "substance": tile.substance,
+            "source": tile.source or None,
+            "evidence": tile.evidence.get("words"),
         }
-        facts["source"] = tile.source or None
-        facts["evidence"] = tile.evidence.get("words")
-        if isinstance(tile, MapTexture):
+        if tile.extent_m is not None:
             facts["map_m"] = list(tile.extent_m)
             facts["pattern"] = tile.pattern or None
         extras.update({name: value for name, value in facts.items() if value is not None})
@@ -291,15 +291,12 @@ def add_lights(tree: dict[str, Any], house: House) -> None:
             lights.append(_lamp(room))
             nodes.append(_node(f"{room.id}/lamp", lamp_position(house, room.id), [0, -1, 0]))
             nodes[-1]["extras"] = {"kind": "lamp", "room_id": room.id}
-    lights.append(
-        {
-            "type": "directional",
-            "color": list(LIGHTS.sun),
-            "intensity": LIGHTS.sun_lux,
-            "name": "sun",
-        }
-    )
-    nodes.append(_node("sun", _above(house), -np.array(LIGHTS.to_sun)))
+    sun = {"type": "directional", "color": list(LIGHTS.sun), "intensity": LIGHTS.sun_lux}
+    lights.append({**sun, "name": "sun"})
+    points = np.array([point for room in house.rooms for point in room.rings[0]])
+    x, z = (points.min(axis=0) + points.max(axis=0)) / 2
+    over = np.array([x, 0.0, z]) + 10.0 * np.array(LIGHTS.to_sun)  # where programs draw it
+    nodes.append(_node("sun", over, -np.array(LIGHTS.to_sun)))
     nodes[-1]["extras"] = {"kind": "sun"}
     for number, node in enumerate(nodes):
         node["extensions"] = {EXTENSION: {"light": number}}
@@ -311,36 +308,24 @@ def add_lights(tree: dict[str, Any], house: House) -> None:
     tree["extensionsUsed"] = [*tree.get("extensionsUsed", []), EXTENSION]
 
 
-def candela(area_m2: float, height_m: float) -> float:
-    """Return the intensity of a lamp that gives a floor `LIGHTS.lamp_lux` in the mean.
-
-    The floor is a disk of `area_m2` and the lamp, as bright each way, `height_m` above its middle.
-    """
-    square = area_m2 / math.pi
-    share = 1 - height_m / math.sqrt(height_m**2 + square)
-    return LIGHTS.lamp_lux * square / (2 * share)
-
-
 def _lamp(room: Room) -> dict[str, Any]:
-    """Return the light of a room."""
+    """Return the light of a room: its floor gets `LIGHTS.lamp_lux` in the mean.
+
+    As if the floor were a disk and the lamp, as bright each way, above its middle.
+    """
     polygon = room_polygon(room)
     height = max(room.height - LAMP_DROP_M, 0.5)
+    square = polygon.area / math.pi
+    share = 1 - height / math.sqrt(height**2 + square)
     x0, z0, x1, z1 = polygon.bounds
     return {
         "type": "spot",
         "color": LAMP.tolist(),
-        "intensity": round(candela(polygon.area, height), _DECIMALS),
+        "intensity": round(LIGHTS.lamp_lux * square / (2 * share), _DECIMALS),
         "range": round(math.hypot(x1 - x0, z1 - z0, height), _DECIMALS),
         "spot": {"innerConeAngle": LIGHTS.whole, "outerConeAngle": LIGHTS.cone},
         "name": f"{room.id}/lamp",
     }
-
-
-def _above(house: House) -> np.ndarray:
-    """Return a place over a house, where programs draw its sun, (3,)."""
-    points = np.array([point for room in house.rooms for point in room.rings[0]])
-    x, z = (points.min(axis=0) + points.max(axis=0)) / 2
-    return np.array([x, 0.0, z]) + 10.0 * np.array(LIGHTS.to_sun)
 
 
 def _node(name: str, place: np.ndarray, way: ArrayLike) -> dict[str, Any]:

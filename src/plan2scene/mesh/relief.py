@@ -17,7 +17,7 @@ import numpy as np
 
 from plan2scene.images import image_from_bytes, jpeg_bytes
 from plan2scene.mesh.parts import MeshPart
-from plan2scene.mesh.texture_files import MapTexture, TileTexture
+from plan2scene.mesh.texture_files import TileTexture
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ def normal_map(tile: TileTexture) -> bytes | None:
     scale = min(1.0, SETTINGS.px_per_m * tile.sides_m[0] / image.shape[1])
     size = [max(4, round(side * scale)) for side in image.shape[1::-1]]
     small = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
-    mode: _Border = "reflect" if isinstance(tile, MapTexture) else "wrap"
+    mode: _Border = "reflect" if tile.jpeg else "wrap"
     luma = small @ np.array([0.2126, 0.7152, 0.0722]) / 255.0
     fine = _fine(luma, size[0] / tile.sides_m[0], mode)
     contrast = float(fine.std())

@@ -17,7 +17,7 @@ from plan2scene.mesh.parts import Colour, MeshPart, PartBuilder
 from plan2scene.mesh.structure import REVEAL_COLOUR
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.levels import flight_area, step_count
-from plan2scene.plans.wall_sides import LIFT, Frame, Side
+from plan2scene.plans.wall_sides import LIFT, Frame, Side, frame_between
 
 COLOUR: Colour = (82, 84, 86)
 
@@ -147,21 +147,20 @@ def _add_handrail(builder: PartBuilder, stairs: Stairs, rise: float, side: Frame
     count, length = step_count(rise), stairs.length
     deep, riser = length / count, rise / count
     start, way = np.array(stairs.start), np.subtract(stairs.end, stairs.start) / length
-    across = -side.normal  # from the side's edge over the steps
     foot = start + side.normal * (stairs.width / 2)
     axes = np.array([[way[0], 0.0, way[1]], [0, 1, 0], np.zeros(3), [foot[0], 0.0, foot[1]]])
     axes[2] = np.cross(axes[0], axes[1])
-    inward = float(np.sign(axes[2, [0, 2]] @ across))
+    inward = float(np.sign(axes[2, [0, 2]] @ -side.normal))  # from the side's edge over the steps
+
+    def across(size: float) -> tuple[float, float]:
+        ends = (inward * (STAIRS.handrail_in - size / 2), inward * (STAIRS.handrail_in + size / 2))
+        return min(ends), max(ends)
 
     def bar(s: float, size: float) -> None:
-        step = min(int(s / deep), count - 1)
+        (near, far), half = across(size), size / 2
+        low = (min(int(s / deep), count - 1) + 1) * riser
         top = riser + s * rise / length + STAIRS.handrail
-        near, far = sorted(
-            (inward * (STAIRS.handrail_in - size / 2), inward * (STAIRS.handrail_in + size / 2))
-        )
-        builder.box(
-            axes, (s - size / 2, (step + 1) * riser, near), (s + size / 2, top, far), COLOUR
-        )
+        builder.box(axes, (s - half, low, near), (s + half, top, far), COLOUR)
 
     ends = (0.5 * deep, length - 0.5 * deep)
     for s in ends:
@@ -174,12 +173,7 @@ def _add_handrail(builder: PartBuilder, stairs: Stairs, rise: float, side: Frame
     tilted[0] = slope[0] * axes[0] + slope[1] * axes[1]
     tilted[1] = slope[0] * axes[1] - slope[1] * axes[0]
     tilted[3] = axes[3] + [0.0, riser + STAIRS.handrail, 0.0]
-    near, far = sorted(
-        (
-            inward * (STAIRS.handrail_in - RAILING.rail / 2),
-            inward * (STAIRS.handrail_in + RAILING.rail / 2),
-        )
-    )
+    near, far = across(RAILING.rail)
     low, high = (s / slope[0] for s in (ends[0] - RAILING.post / 2, ends[1] + RAILING.post / 2))
     builder.box(tilted, (low, -RAILING.rail, near), (high, 0.0, far), COLOUR)
 
@@ -203,12 +197,9 @@ def _edges(stairs: Stairs) -> list[Frame]:
     frames = []
     for a, b in ((3, 4), (0, 1), (2, 3), (1, 2)):
         along = ring[b] - ring[a]
-        length = float(np.linalg.norm(along))
-        normal = np.array([along[1], -along[0]]) / length
+        normal = np.array([along[1], -along[0]]) / float(np.linalg.norm(along))
         normal *= np.sign((ring[a] + ring[b] - 2 * middle) @ normal)
-        right = np.array([normal[1], -normal[0]])
-        left = ring[a] if right @ along > 0 else ring[b]
-        frames.append(Frame(left, right, normal, length))
+        frames.append(frame_between(ring[a], ring[b], normal))
     return frames
 
 
@@ -225,15 +216,12 @@ def well_railings(
     ways = [_edges(flight)[3] for flight in arriving] + [_edges(flight)[0] for flight in leaving]
     gaps = unary_union([_line(frame).buffer(RAILING.beside_wall) for frame in ways])
     wells = unary_union([flight_area(flight).buffer(-0.01) for flight in arriving])
+    shut = unary_union([gaps, wells])
     parts = []
     for flight in arriving:
         builder, owner = PartBuilder(), flight.room_ids[1]
         for room in storey.rooms:
-            inside = (
-                room_polygon(room)
-                .buffer(-RAILING.beside_wall)
-                .difference(unary_union([gaps, wells]))
-            )
+            inside = room_polygon(room).buffer(-RAILING.beside_wall).difference(shut)
             for frame in _edges(flight)[:3]:
                 for piece in _pieces(frame, inside):
                     add_railing(builder, piece.moved(STAIRS.proud))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import logging
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,34 +22,37 @@ UNTEXTURED = {"floor": (178, 164, 148), "wall": (232, 228, 220), "ceiling": (244
 
 @dataclass(frozen=True)
 class TileTexture:
-    """A repeating texture."""
+    """A repeating texture, or with a `jpeg` a surface map: one image for the whole surface."""
 
-    png: bytes  #: sRGB
+    png: bytes  #: the tile, sRGB
     size_m: float  #: metres that the tile's side covers
     observed: bool | None = None  #: whether photos showed the surface; None when unknown
     substance: str | None = None  #: one of ``house.SUBSTANCES``
     source: str = ""  #: where it comes from, in words
-    #: where a tile begins in a part's texture coordinates, metres
+    #: where tile or map begins in a part's texture coordinates, metres
     origin_m: tuple[float, float] = (0.0, 0.0)
     material: str = ""  #: name of what it shares with other rooms, or empty
     crops: tuple[str, ...] = ()  #: ids of the crops that it was quilted from
     #: of :mod:`plan2scene.textures.painted`; empty when unknown
     evidence: Mapping[str, object] = field(default_factory=dict)
+    jpeg: bytes = b""  #: the map, sRGB; empty for none
+    extent_m: tuple[float, float] | None = None  #: metres that the map's width and height cover
+    pattern: str = ""  #: kind and size of the units that the map is laid of, in words
 
     @property
     def image(self) -> bytes:
         """The file that a mesh shows."""
-        return self.png
+        return self.jpeg or self.png
 
     @property
     def suffix(self) -> str:
         """``.png`` or ``.jpg``: what kind of file `image` is."""
-        return ".png"
+        return ".jpg" if self.jpeg else ".png"
 
     @property
     def sides_m(self) -> tuple[float, float]:
         """Metres that the image's width and height cover."""
-        return self.size_m, self.size_m
+        return self.extent_m or (self.size_m, self.size_m)
 
     @property
     def digest(self) -> str:
@@ -61,37 +64,10 @@ class TileTexture:
         return np.asarray((uv - np.array(self.origin_m)) / np.array(self.sides_m))
 
 
-@dataclass(frozen=True)
-class MapTexture(TileTexture):
-    """A surface map in the place of its tile: one image for the whole surface.
-
-    `origin_m` is where the map begins.
-    """
-
-    jpeg: bytes = b""  #: sRGB
-    extent_m: tuple[float, float] = (1.0, 1.0)  #: metres that its width and height cover
-    pattern: str = ""  #: kind and size of the units that it is laid of, in words
-
-    @property
-    def image(self) -> bytes:
-        """The file that a mesh shows."""
-        return self.jpeg
-
-    @property
-    def suffix(self) -> str:
-        """``.jpg``."""
-        return ".jpg"
-
-    @property
-    def sides_m(self) -> tuple[float, float]:
-        """Metres that the image's width and height cover."""
-        return self.extent_m
-
-
 def load_textures(folder: str | Path, house: House) -> dict[SurfaceKey, TileTexture]:
     """Return the textures that a method left for a house (``textures.json``, tiles, maps).
 
-    A surface that ``maps.json`` lists gets a :class:`MapTexture`. Those that ``textures.json`` does
+    A surface that ``maps.json`` lists gets its map. Those that ``textures.json`` does
     not list are left out, with a warning in the log. Raises InputError when ``textures.json`` is
     not of the form in docs/conventions.md or a tile is no image.
     """
@@ -108,9 +84,17 @@ def load_textures(folder: str | Path, house: House) -> dict[SurfaceKey, TileText
                 "house %s: no texture for %s/%s", house.id, key.room_id, key.surface
             )
             continue
-        tile = _tile(root, key, entry, house.id)
-        whole = maps.get("/".join(key))
-        textures[key] = tile if whole is None else _map(root, key, tile, whole, house.id)
+        textures[key] = _tile(root, key, entry, house.id)
+        if "/".join(key) in maps:
+            whole = maps["/".join(key)]
+            (x, y), (width, height) = whole["origin_m"], whole["extent_m"]
+            textures[key] = replace(
+                textures[key],
+                origin_m=(float(x), float(y)),
+                jpeg=_bytes(root / f"{key.filename}.jpg", house.id),
+                extent_m=(float(width), float(height)),
+                pattern=whole.get("pattern", ""),
+            )
     return textures
 
 
@@ -162,20 +146,6 @@ def _tile(root: Path, key: SurfaceKey, entry: dict[str, Any], house_id: str) -> 
         material=entry.get("material", ""),
         crops=tuple(entry.get("crops", ())),
         evidence=entry.get("evidence", {}),
-    )
-
-
-def _map(
-    root: Path, key: SurfaceKey, tile: TileTexture, entry: dict[str, Any], house_id: str
-) -> MapTexture:
-    """Return the map of a surface that has a tile."""
-    facts = {item.name: getattr(tile, item.name) for item in fields(tile)}
-    (x, y), (width, height) = entry["origin_m"], entry["extent_m"]
-    return MapTexture(
-        **facts | {"origin_m": (float(x), float(y))},
-        jpeg=_bytes(root / f"{key.filename}.jpg", house_id),
-        extent_m=(float(width), float(height)),
-        pattern=entry.get("pattern", ""),
     )
 
 

@@ -19,7 +19,7 @@ import yaml
 
 from plan2scene.house import House, Room, SurfaceKey
 from plan2scene.io import write_text
-from plan2scene.mesh.assembly import build_parts
+from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.baking import lamp_position
 from plan2scene.mesh.parts import MeshPart, PartBuilder
 from plan2scene.mesh.texture_files import TileTexture
@@ -39,7 +39,7 @@ def write_home_assistant(
     house: House, textures: Mapping[SurfaceKey, TileTexture], folder: Path
 ) -> None:
     """Write ``house.obj``, ``house.mtl``, ``house_textures/`` and ``card.yaml`` into a folder."""
-    shown = [part for part in build_parts(house) if not _is_ceiling(part)]
+    shown = [part for part in assemble(house).parts if not _is_ceiling(part)]
     parts = [*shown, *(_lamp(house, room.id) for room in house.rooms)]
     low = np.min([part.mesh.bounds[0] for part in parts], axis=0)
     storeys = {level.id: f"lvl{number:03d}" for number, level in enumerate(house.levels)}

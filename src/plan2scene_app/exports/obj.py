@@ -16,7 +16,7 @@ from trimesh.visual.material import Material
 
 from plan2scene.house import House, SurfaceKey
 from plan2scene.io import atomic_directory, atomic_path
-from plan2scene.mesh.assembly import build_parts
+from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.parts import GLASS, MeshPart
 from plan2scene.mesh.texture_files import UNTEXTURED, TileTexture
 
@@ -47,7 +47,7 @@ def write_obj(
         for key, tile in textures.items():
             (temporary / f"{key.filename}{tile.suffix}").write_bytes(tile.image)
     scene = _Scene()
-    for part in build_parts(house) if parts is None else parts:
+    for part in assemble(house).parts if parts is None else parts:
         painted = None if part.surface is None else textures.get(part.surface)
         for mesh in _pieces(part, painted, folder.name):
             scene.geometry[str(len(scene.geometry))] = mesh

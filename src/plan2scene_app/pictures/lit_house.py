@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import cv2
@@ -17,10 +17,10 @@ import numpy as np
 from plan2scene.colour import linear_to_srgb, srgb_to_linear
 from plan2scene.house import House, SurfaceKey
 from plan2scene.images import image_from_bytes, jpeg_bytes
-from plan2scene.mesh.assembly import build_parts
+from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.glb import write_glb
 from plan2scene.mesh.parts import MeshPart
-from plan2scene.mesh.texture_files import MapTexture, TileTexture, textured
+from plan2scene.mesh.texture_files import TileTexture, textured
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.plans.surface_areas import Area, surface_areas
 from plan2scene_app.pictures.baked_light import Light, bake_light, compressed, mean_colours
@@ -58,7 +58,7 @@ def build_lit_house(
     """
     house, textures = textured(textures_dir, read_scene_json(scene_json, house_id))
     house = house if objects else replace(house, icons=())
-    parts = build_parts(house)
+    parts = assemble(house).parts
     light = bake_light(house, parts, mean_colours(textures), SETTINGS.texel_m)
     if light is None:
         logging.getLogger("plan2scene").warning("house %s: no light to bake", house_id)
@@ -84,7 +84,7 @@ def lit_textures(
     return made
 
 
-def _lit(tile: TileTexture, area: Area, parts: Sequence[MeshPart], light: Light) -> MapTexture:
+def _lit(tile: TileTexture, area: Area, parts: Sequence[MeshPart], light: Light) -> TileTexture:
     """Return one surface's image under the light."""
     scale = min(SETTINGS.px_per_m, SETTINGS.most_px / max(area.size))
     width, height = (max(2, round(side * scale)) for side in area.size)
@@ -104,11 +104,12 @@ def _lit(tile: TileTexture, area: Area, parts: Sequence[MeshPart], light: Light)
             picture, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP
         )
         made[top : top + _BAND] = developed(colour * shade[top : top + _BAND])
-    facts = {field.name: getattr(tile, field.name) for field in fields(TileTexture)}
-    return MapTexture(
-        **facts | {"origin_m": area.low},
+    return replace(
+        tile,
+        origin_m=area.low,
         jpeg=jpeg_bytes(made, quality=SETTINGS.quality),
         extent_m=(width / scale, height / scale),
+        pattern="",
     )
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from plan2scene.mesh.assembly import build_parts
+from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.baking import bake_occlusion
 
 pytest.importorskip("embreex")
@@ -16,7 +16,7 @@ pytest.importorskip("embreex")
 @pytest.fixture
 def baked(gap_house):
     """Return the parts of a house by name, its occlusion, and that as numbers in [0, 1]."""
-    parts = build_parts(gap_house)
+    parts = assemble(gap_house).parts
     flat = [part for part in parts if part.surface is not None]
     occlusion = bake_occlusion(parts, flat)
     image = np.asarray(Image.open(io.BytesIO(occlusion.png)))
@@ -57,7 +57,7 @@ def test_parts_have_places_of_their_own(baked):
 
 def test_without_a_ray_tracer_there_is_none(gap_house, monkeypatch, caplog):
     monkeypatch.setitem(sys.modules, "embreex.rtcore_scene", None)
-    parts = build_parts(gap_house)
+    parts = assemble(gap_house).parts
     assert bake_occlusion(parts, parts[:1]) is None
     assert "no occlusion" in caplog.text
     assert bake_occlusion(parts, []) is None

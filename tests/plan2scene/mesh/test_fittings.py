@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from plan2scene.house import House, IconBox, Room
-from plan2scene.mesh.assembly import build_parts
+from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.fittings import KINDS, category_of
 
 
@@ -25,7 +25,7 @@ def room_of_four(shared_house):
 
 
 def objects_of(house: House, *icons: IconBox):
-    parts = build_parts(replace(house, icons=icons))
+    parts = assemble(replace(house, icons=icons)).parts
     return [part for part in parts if part.extras["kind"] in ("object", "stairs")]
 
 

@@ -10,7 +10,7 @@ from PIL import Image
 
 from plan2scene.house import SurfaceKey
 from plan2scene.images import png_bytes
-from plan2scene.mesh.assembly import build_parts
+from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.baking import lamp_position
 from plan2scene.mesh.glb import ROUGHNESS, write_glb
 from plan2scene.mesh.relief import tangents
@@ -23,7 +23,7 @@ def test_trimesh_finds_the_same_nodes_and_areas(name, request, paint, tmp_path):
     house = request.getfixturevalue(name)
     write_glb(house, paint(house), tmp_path / "house.glb")
     found = trimesh.load(tmp_path / "house.glb").geometry
-    parts = build_parts(house)
+    parts = assemble(house).parts
     assert list(found) == [part.name for part in parts]
     for part in parts:
         assert found[part.name].area == pytest.approx(part.mesh.area, rel=1e-5)
@@ -97,7 +97,7 @@ def test_same_input_same_bytes(gap_house, paint, tmp_path):
 def test_obj_has_the_same_areas_and_textures(gap_house, paint, tmp_path):
     textures = paint(gap_house)
     write_obj(gap_house, textures, tmp_path / "house.obj")
-    total = sum(part.mesh.area for part in build_parts(gap_house))
+    total = sum(part.mesh.area for part in assemble(gap_house).parts)
     meshes = trimesh.load(tmp_path / "house.obj").geometry.values()
     assert sum(mesh.area for mesh in meshes) == pytest.approx(total, rel=1e-4)
     text = (tmp_path / "house.mtl").read_text()
@@ -172,7 +172,7 @@ def test_files_have_them_on_demand_and_valid(gap_house, tmp_path):
 
 
 def test_tangents_run_along_the_image_s_rows_and_up_it(gap_house, tmp_path):
-    by_name = {part.name: part for part in build_parts(gap_house)}
+    by_name = {part.name: part for part in assemble(gap_house).parts}
     along = {"a/floor": (1, 0, 0), "a/ceiling": (1, 0, 0), "a/wall/a_w0": (1, 0, 0)}
     up = {"a/floor": (0, 0, -1), "a/ceiling": (0, 0, -1), "a/wall/a_w0": (0, 1, 0)}
     for name, expected in along.items():

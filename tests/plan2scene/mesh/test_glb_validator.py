@@ -11,7 +11,7 @@ import pytest
 
 from plan2scene.images import jpeg_bytes
 from plan2scene.mesh.glb import write_glb
-from plan2scene.mesh.texture_files import MapTexture
+from plan2scene.mesh.texture_files import TileTexture
 
 SCRIPT = Path(__file__).with_name("validate_gltf.cjs")
 
@@ -49,7 +49,7 @@ def test_houses_made_by_hand(
 def test_maps_as_jpeg_and_unlit_houses(gap_house, paint, tmp_path):
     data = jpeg_bytes(np.tile(np.uint8([[[90], [160]]]), (40, 30, 3)), quality=90)
     maps = {
-        key: MapTexture(tile.png, tile.size_m, True, "wood", jpeg=data, extent_m=(9.0, 6.0))
+        key: TileTexture(tile.png, tile.size_m, True, "wood", jpeg=data, extent_m=(9.0, 6.0))
         for key, tile in paint(gap_house).items()
     }
     files = [tmp_path / "maps.glb", tmp_path / "unlit.glb"]

@@ -7,7 +7,7 @@ import pytest
 from box_room import box_house
 
 from plan2scene.colour import is_wood, rgb_to_lab, srgb_to_linear
-from plan2scene.mesh.assembly import build_parts
+from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.joinery import METAL_COLOUR
 
 OAK = (166, 131, 83)
@@ -27,7 +27,7 @@ def test_white_grey_blue_and_red_are_paint(colour):
 def leaf_colours(colour):
     """Return the colours (n, 3) of a door's faces, and their areas (n,), but frame and handle."""
     house = replace(box_house(), door_colours=(("", colour),), trim_colours=(("", (1, 2, 3)),))
-    (door,) = [part for part in build_parts(house) if part.extras.get("kind") == "door"]
+    (door,) = [part for part in assemble(house).parts if part.extras.get("kind") == "door"]
     colours = door.colours[door.mesh.faces].astype(float).mean(axis=1)
     flat = door.colours[door.mesh.faces]
     other = [(flat == c).all(axis=(1, 2)) for c in ((1, 2, 3), METAL_COLOUR)]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from plan2scene.mesh.assembly import build_parts
+from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.glb import write_glb
 from plan2scene.mesh.rays import Rays
 from plan2scene.mesh.structure import CAP_COLOUR
@@ -25,7 +25,7 @@ def house(storey_house):
 
 @pytest.fixture(scope="module")
 def parts(house):
-    return {part.name: part for part in build_parts(house)}
+    return {part.name: part for part in assemble(house).parts}
 
 
 def test_floors_and_ceilings_lie_at_their_level(house, parts):
@@ -94,7 +94,7 @@ def test_no_wall_below_comes_out_of_a_floor_without_a_slab():
     levels = [{"id": "low", "elevation": 0.0}, {"id": "high", "elevation": 2.8}]
     rooms = [room("a", "low", 0, 3), room("b", "low", 3, 7), room("over", "high", 0, 7)]
     plan = {"format": "plan2scene-plan", "version": 1, "levels": levels, "rooms": rooms}
-    rays = Rays.of(build_parts(house_of_plan(plan | {"wall_depth": 0.2}, "h")))
+    rays = Rays.of(assemble(house_of_plan(plan | {"wall_depth": 0.2}, "h")).parts)
     above = np.array([[x, 2.9, 2.0] for x in np.linspace(2.8, 3.2, 9)])
     down = np.tile([0.0, -1.0, 0.0], (9, 1))
     assert rays.distances(above, down) == pytest.approx(0.1, abs=1e-4)
@@ -119,7 +119,7 @@ def test_what_juts_out_has_an_underside(house, parts):
     rooms = tuple(wide if room.id == "study" else room for room in house.rooms)
     walls = [wall for wall in house.walls if "study" not in wall.room_ids]
     walls += walls_of_rooms([wide], depth=0.12)
-    made = {p.name: p for p in build_parts(replace(house, rooms=rooms, walls=tuple(walls)))}
+    made = {p.name: p for p in assemble(replace(house, rooms=rooms, walls=tuple(walls))).parts}
     under = made["structure/soffit/upper"].mesh
     assert (under.face_normals[:, 1] < -0.99).all()
     assert under.area == pytest.approx(1.5 * 2.6 + 1.5 * 2 * 0.12, rel=0.01)
@@ -133,7 +133,7 @@ def balcony_house(gap_house):
 
 
 def test_a_balcony_has_no_ceiling_and_railings_on_its_free_sides(balcony_house):
-    parts = {part.name: part for part in build_parts(balcony_house)}
+    parts = {part.name: part for part in assemble(balcony_house).parts}
     assert "a/ceiling" in parts and "b/ceiling" not in parts
     assert {name for name in parts if "railing" in name} == {f"b/railing/b_w{k}" for k in (0, 1, 2)}
     assert "b/wall/b_w3" in parts  # the house's wall, with the door

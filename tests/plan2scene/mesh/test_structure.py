@@ -7,12 +7,12 @@ import pytest
 from shapely.geometry import Polygon
 
 from plan2scene.house import Door, House, Opening
-from plan2scene.mesh.assembly import build_parts
+from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.structure import SKIRTING
 
 
 def by_name(house):
-    return {part.name: part for part in build_parts(house)}
+    return {part.name: part for part in assemble(house).parts}
 
 
 def wall_area(wall):
@@ -61,7 +61,7 @@ def test_surfaces_face_their_room(name, request):
 
 
 def test_names_are_unique_and_complete(gap_house):
-    names = [part.name for part in build_parts(gap_house)]
+    names = [part.name for part in assemble(gap_house).parts]
     assert len(names) == len(set(names))
     assert "a/door/ha" in names
     assert "b/door/hb" not in names  # the other room's copy of the same door
@@ -137,7 +137,7 @@ def test_a_window_between_two_rooms_is_a_hatch_unless_one_is_outside(gap_house, 
 
     walls = tuple(glazed(wall) for wall in gap_house.walls)
     rooms = gap_house.rooms[0], dataclasses.replace(gap_house.rooms[1], types=(kind,))
-    parts = build_parts(dataclasses.replace(gap_house, rooms=rooms, walls=walls, doors=()))
+    parts = assemble(dataclasses.replace(gap_house, rooms=rooms, walls=walls, doors=())).parts
     found = [part.extras for part in parts if part.extras["kind"] in ("window", "glass")]
     assert {e["kind"] for e in found} == made
     assert all({e["room_id"], e["leads_to"]} == {"a", "b"} for e in found)
@@ -170,7 +170,7 @@ def test_trim_has_the_colour_that_its_room_is_set_to(gap_house, key, in_b):
 
 
 def board(house, name):
-    return {part.name: part for part in build_parts(house)}[f"{name}/skirting"].mesh
+    return {part.name: part for part in assemble(house).parts}[f"{name}/skirting"].mesh
 
 
 def test_length_is_the_walls_less_the_door(l_house):
@@ -190,4 +190,4 @@ def test_no_board_crosses_a_door(gap_house):
 
 
 def test_bathrooms_have_none(gap_house):
-    assert "b/skirting" not in {part.name for part in build_parts(gap_house)}
+    assert "b/skirting" not in {part.name for part in assemble(gap_house).parts}

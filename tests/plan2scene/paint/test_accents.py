@@ -10,7 +10,7 @@ from plan2scene.colour import median_colour, srgb_to_linear
 from plan2scene.house import SurfaceKey
 from plan2scene.images import image_from_bytes, write_png
 from plan2scene.io import read_json, read_parquet, write_json, write_parquet
-from plan2scene.mesh.assembly import build_parts
+from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.texture_files import textured
 from plan2scene.paint.accents import find_accents
 from plan2scene.paint.observations import PlaneColours, write_colours
@@ -121,7 +121,7 @@ def test_an_accent_wall_has_its_own_paint_in_the_house(gap_house, tmp_path, aske
     assert paint[own] == pytest.approx(srgb_to_linear(np.array(BLUE)) * 1.3, rel=0.3)
     entry = read_json(tmp_path / "out" / "textures.json")["surfaces"]["/".join(own)]
     assert entry["evidence"]["photos"] == ["p0.jpg", "p1.jpg"]
-    faces = {part.name: part.surface for part in build_parts(shown) if part.surface}
+    faces = {part.name: part.surface for part in assemble(shown).parts if part.surface}
     assert faces[f"a/wall/{wall}"] == own
     assert {key for name, key in faces.items() if "/wall/" in name} >= {own, usual}
     plain = {key: (image.png, image.size_m) for key, image in textures.items()}

@@ -8,7 +8,7 @@ import pytest
 from plan2scene.colour import median_colour
 from plan2scene.house import SurfaceKey
 from plan2scene.images import image_from_bytes, jpeg_bytes
-from plan2scene.mesh.assembly import build_parts
+from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.texture_files import load_textures
 from plan2scene.paint.shading import log_luma
 from plan2scene.textures.exemplar.lattice import find_lattice
@@ -114,7 +114,7 @@ def test_maps_of_a_house_cover_its_faces_in_the_tiles_colours(rug, gap_house, tm
     tiles = {key: tile_of(rug, red if key.room_id == "b" else None) for key in keys}
     maps = house_maps(gap_house, tiles, {}, {}, {}, seed=1)
     assert set(maps) == set(keys)
-    parts = build_parts(gap_house)
+    parts = assemble(gap_house).parts
     for key in keys:
         image = image_from_bytes(maps[key].jpeg)
         apart = median_colour(image) - median_colour(tiles[key].image)

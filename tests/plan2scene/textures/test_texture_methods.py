@@ -16,7 +16,7 @@ from plan2scene.errors import InputError
 from plan2scene.house import House, SurfaceKey
 from plan2scene.images import image_from_bytes, png_bytes, read_image
 from plan2scene.io import write_parquet
-from plan2scene.mesh.assembly import build_parts
+from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.texture_files import load_textures
 from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene.textures.crops import Crop, choose_crop, read_pool, surface_extent, write_pool
@@ -247,7 +247,7 @@ def test_projection_stretches_the_largest_sharp_crop_once_over_the_surface(files
     assert np.array_equal(read_image(folder / "bed1_floor.png"), _image(60))
     assert surfaces["bed1/floor"]["source"] == "a, stretched"
     textures = load_textures(folder, PLAN)
-    for part in build_parts(PLAN):
+    for part in assemble(PLAN).parts:
         if part.surface is not None:
             turns = textures[part.surface].turns(part.uv)
             assert turns.min() >= -1e-6 and turns.max() <= 1 + 1e-6, part.name

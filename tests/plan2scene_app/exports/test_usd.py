@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from plan2scene.mesh.assembly import build_parts
+from plan2scene.mesh.assembly import assemble
 from plan2scene_app.exports.usd import write_usd
 
 pxr = pytest.importorskip("pxr")
@@ -31,7 +31,7 @@ def test_valid_and_whole(folder, gap_house, paint, name):
     assert UsdGeom.GetStageUpAxis(stage) == "Y"
     prims = {prim.GetDisplayName(): prim for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)}
     textures = paint(gap_house)
-    for part in build_parts(gap_house):
+    for part in assemble(gap_house).parts:
         mesh = UsdGeom.Mesh(prims[part.name])
         assert np.array(mesh.GetPointsAttr().Get()) == pytest.approx(part.mesh.vertices, abs=1e-5)
         material, _ = UsdShade.MaterialBindingAPI(prims[part.name]).ComputeBoundMaterial()

@@ -12,7 +12,7 @@ from shapely.geometry import Point
 
 from plan2scene.house import Opening, SurfaceKey
 from plan2scene.images import png_bytes
-from plan2scene.mesh.assembly import build_parts
+from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.baking import lamp_position
 from plan2scene.mesh.glb import write_glb
 from plan2scene.mesh.rays import Rays
@@ -36,7 +36,7 @@ def wall_light(light):
 
 def light_of(house):
     colours = {key: np.full(3, 0.6) for key in house.surface_keys()}
-    return bake_light(house, build_parts(house), colours, 0.25)
+    return bake_light(house, assemble(house).parts, colours, 0.25)
 
 
 def at(light, part, point):
@@ -59,7 +59,7 @@ def windowed(gap_house):
 
 def test_a_window_lights_the_floor_before_it(windowed):
     light = light_of(windowed)
-    parts = {part.name: part for part in build_parts(windowed)}
+    parts = {part.name: part for part in assemble(windowed).parts}
     floor = parts["a/floor"]
     assert at(light, floor, (0.8, 0, 2)).mean() > 1.15 * at(light, floor, (2.5, 0, 3.7)).mean()
     # The sky is bluer than the lamp.
@@ -73,7 +73,7 @@ def test_a_window_lights_the_floor_before_it(windowed):
 
 def test_what_has_no_texels_has_the_light_of_walls_near_it(windowed):
     light = light_of(windowed)
-    parts = {part.name: part for part in build_parts(windowed)}
+    parts = {part.name: part for part in assemble(windowed).parts}
     door = parts["a/door/ha"]
     upright, x = np.abs(door.mesh.vertex_normals[:, 1]) < 0.1, door.mesh.vertices[:, 0]
     plain = light.of_plain(door)
@@ -83,7 +83,7 @@ def test_what_has_no_texels_has_the_light_of_walls_near_it(windowed):
 
 def test_a_lamp_is_brightest_below_itself(gap_house):
     light = light_of(gap_house)
-    parts = {part.name: part for part in build_parts(gap_house)}
+    parts = {part.name: part for part in assemble(gap_house).parts}
     lamp = lamp_position(gap_house, "b")
     assert Point(lamp[0], lamp[2]).within(room_polygon(gap_house.room("b")))
     below = at(light, parts["b/floor"], (lamp[0], 0, lamp[2])).mean()
@@ -91,7 +91,7 @@ def test_a_lamp_is_brightest_below_itself(gap_house):
 
 
 def test_light_runs_on_where_a_wall_of_one_plane_goes_on(storey_house):
-    parts = {part.name: part for part in build_parts(storey_house)}
+    parts = {part.name: part for part in assemble(storey_house).parts}
     colours = {key: np.full(3, 0.6) for key in storey_house.surface_keys()}
     light = bake_light(storey_house, list(parts.values()), colours, 0.25)
     before, behind = (  # the hall's wall along two rooms that meet at z = 3.4, nearest to its lamp
@@ -130,7 +130,7 @@ def test_lamps_hang_and_cameras_stand_inside_any_room(l_house, ring_house):
         polygon = room_polygon(room)
         lamp = lamp_position(house, room.id)
         assert Point(lamp[0], lamp[2]).within(polygon)
-        rays = Rays.of(build_parts(house))
+        rays = Rays.of(assemble(house).parts)
         camera = camera_in(house, room.id, rays)
         assert camera.position[1] == SETTINGS.eye_m
         assert polygon.contains(Point(camera.position[0], camera.position[2]))
@@ -144,7 +144,7 @@ def drawn(house, textures, parts):
 
 def test_a_picture_shows_the_surfaces_in_their_colours(gap_house, paint):
     textures = paint(gap_house)
-    parts = build_parts(gap_house)
+    parts = assemble(gap_house).parts
     sheet = drawn(gap_house, textures, parts)
     first = sheet[8 : 8 + SETTINGS.size[0], 8 : 8 + SETTINGS.size[1]].astype(int)
     assert sheet.dtype == np.uint8
@@ -158,7 +158,7 @@ def test_a_picture_shows_the_surfaces_in_their_colours(gap_house, paint):
 
 def test_rooms_are_drawn_without_a_ray_tracer(gap_house, paint, monkeypatch):
     monkeypatch.setitem(sys.modules, "embreex.rtcore_scene", None)
-    first = drawn(gap_house, paint(gap_house), build_parts(gap_house))[8:288, 8:428]
+    first = drawn(gap_house, paint(gap_house), assemble(gap_house).parts)[8:288, 8:428]
     assert (first.max(axis=2) > 40).mean() > 0.95
 
 
@@ -167,7 +167,7 @@ def lit(gap_house):
     """Return parts, light and lit textures of a house of one grey."""
     tile = TileTexture(png_bytes(np.full((16, 16, 3), 150, np.uint8)), 0.7, True, "plaster", "t")
     textures = dict.fromkeys(gap_house.surface_keys(), tile)
-    parts = build_parts(gap_house)
+    parts = assemble(gap_house).parts
     light = bake_light(gap_house, parts, mean_colours(textures), 0.2)
     return parts, light, lit_textures(gap_house, parts, textures, light)
 
@@ -189,7 +189,7 @@ def test_a_surface_is_dark_in_its_corners_and_bright_below_the_lamp(lit, gap_hou
 
 
 def test_every_storey_has_light_of_its_own(storey_house, paint, tmp_path):
-    parts, textures = build_parts(storey_house), paint(storey_house)
+    parts, textures = assemble(storey_house).parts, paint(storey_house)
     light = bake_light(storey_house, parts, mean_colours(textures), 0.7)
     means = wall_light(light)
     assert set(means) == {room.id for room in storey_house.rooms}

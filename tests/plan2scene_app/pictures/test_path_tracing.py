@@ -7,7 +7,7 @@ import pytest
 
 from plan2scene.house import SurfaceKey
 from plan2scene.images import png_bytes
-from plan2scene.mesh.assembly import build_parts
+from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.rays import Rays
 from plan2scene.mesh.texture_files import TileTexture
 from plan2scene_app.pictures import path_tracing
@@ -22,7 +22,7 @@ def test_a_room_is_lit_and_shows_its_floor(gap_house, monkeypatch):
     monkeypatch.setattr(path_tracing, "SETTINGS", replace(path_tracing.SETTINGS, samples=4))
     mi = path_tracing.load_mitsuba()
     red = TileTexture(png_bytes(np.full((4, 4, 3), (220, 30, 30), np.uint8)), 1.0)
-    parts = build_parts(gap_house)
+    parts = assemble(gap_house).parts
     scene = path_tracing.TracedScene(mi, gap_house, parts, {SurfaceKey("b", "floor"): red})
     camera = camera_in(gap_house, "b", Rays.of(parts))
     small = camera.resized((58, 87))

@@ -3,7 +3,7 @@
 import numpy as np
 
 from plan2scene.images import write_png
-from plan2scene.mesh.assembly import build_parts
+from plan2scene.mesh.assembly import assemble
 from plan2scene.photos.locate.pose import Pose
 from plan2scene_app.pictures.lit_picture import painter_of
 from plan2scene_app.pictures.photo_views import SIZE, photo_view, render_photo_views
@@ -17,7 +17,7 @@ def test_a_located_photo_stands_beside_the_house_from_its_place(gap_house, paint
     view = photo_view(gap_house, pose)
     assert (view.height, view.width) == SIZE and view.position == (1.0, 1.5, 2.0)
     assert np.isclose(view.focal_px / view.width, camera.focal_px / camera.width)
-    painter = painter_of(gap_house, paint(gap_house), build_parts(gap_house))
+    painter = painter_of(gap_house, paint(gap_house), assemble(gap_house).parts)
     photos = {name: tmp_path / name for name in ("seen.png", "unplaced.png")}
     sheet = render_photo_views(gap_house, photos, {"seen.png": pose}, painter)
     photo, house = sheet[8:233, 8:308], sheet[8:233, 308:608]
