@@ -45,14 +45,21 @@ def read_object_boxes(path: str | Path, house_id: str) -> tuple[IconBox, ...]:
     return tuple(boxes)
 
 
-def check_object_boxes(
-    house: House, boxes: tuple[IconBox, ...], *, file: str | Path = ""
-) -> list[str]:
-    """Return a line for each box without an extent or off the plan."""
+def add_object_boxes(house: House, path: str | Path) -> tuple[House, list[str]]:
+    """Return the house with the boxes of a file as its icons, and warnings.
+
+    A plan's own icons are kept before those of the file, which are on the lowest level. A file
+    that can't be read is a warning (textures don't need it), and so is a box without an extent or
+    off the plan.
+    """
+    try:
+        boxes = read_object_boxes(path, house.id)
+    except InputError as error:
+        return house, [str(error)]
     points = [point for room in house.rooms for ring in room.rings for point in ring]
     low = [min(point[axis] for point in points) - _MARGIN for axis in (0, 1)]
     high = [max(point[axis] for point in points) + _MARGIN for axis in (0, 1)]
-    lines = []
+    warnings = []
     for box in boxes:
         found = f"{box.type} from {box.p1} to {box.p2}"
         if box.p1[0] >= box.p2[0] or box.p1[1] >= box.p2[1]:
@@ -61,21 +68,7 @@ def check_object_boxes(
             expected = "object boxes within the plan"
         else:
             continue
-        lines.append(str(InputError(expected, found, file=file, house=house.id)))
-    return lines
-
-
-def add_object_boxes(house: House, path: str | Path) -> tuple[House, list[str]]:
-    """Return the house with the boxes of a file as its icons, and warnings.
-
-    A plan's own icons are kept before those of the file, which are on the lowest level. A file
-    that can't be read is a warning: textures don't need it.
-    """
-    try:
-        boxes = read_object_boxes(path, house.id)
-    except InputError as error:
-        return house, [str(error)]
-    warnings = check_object_boxes(house, boxes, file=path)
+        warnings.append(str(InputError(expected, found, file=path, house=house.id)))
     level = house.levels[0].id if house.levels else ""
     icons = (replace(box, level=level) for box in boxes)
     return replace(house, icons=tuple(dict.fromkeys((*house.icons, *icons)))), warnings

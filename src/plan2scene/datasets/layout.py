@@ -9,8 +9,6 @@ from plan2scene.errors import InputError
 
 #: Folders of a Rent3D++ copy that hold what its authors call input, looked for in this order.
 _INPUT_FOLDERS = ("input", "data/input")
-#: Which plans are read: of bare rooms, or with object models placed in them.
-ARCHITECTURES = ("bare", "full")
 
 
 @dataclass(frozen=True)
@@ -47,8 +45,11 @@ class Layout:
         folder = self.processed / "surface_crops"
         return folder if folder.is_dir() else None
 
-    def plan_folders(self, split: str, architecture: str = "bare") -> list[Path]:
-        """Return where the plans of a split may lie, the wanted architecture first."""
+    def plan_folders(self, split: str, architecture: str) -> list[Path]:
+        """Return where the plans of a split may lie, the wanted architecture first.
+
+        That is ``bare`` rooms, or ``full``, with object models placed in them.
+        """
         bare = [self.data / "archs_no_objects" / split]
         full = [self.processed / "full_archs" / split, self.data / "full_archs" / split]
         return [*full, *bare] if architecture == "full" else [*bare, *full]

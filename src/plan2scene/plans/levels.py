@@ -12,7 +12,7 @@ import numpy as np
 from shapely.geometry import LineString, Polygon
 from shapely.geometry import Point as ShapelyPoint
 
-from plan2scene.house import House, Level, Room, Stairs
+from plan2scene.house import DEFAULT_HEIGHT, House, Level, Room, Stairs
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.parse import Source
 
@@ -35,8 +35,22 @@ class StairLimits:
 STAIRS = StairLimits()
 
 
-def ordered_levels(source: Source, levels: Iterable[Level]) -> tuple[Level, ...]:
-    """Return levels from the lowest to the highest; InputError for two of one id or height."""
+def read_levels(source: Source, document: Mapping[str, Any]) -> tuple[Level, ...]:
+    """Return the entries ``levels`` of a file, the lowest first; none where it has none.
+
+    InputError for two of one id or height. Levels in another program's form, without an elevation,
+    are left out with a warning.
+    """
+    levels = []
+    for item in source.items(document.get("levels"), "levels"):
+        entry = source.mapping(item, "a level")
+        if "elevation" not in entry:
+            source.warn("levels with an elevation", "others; read as one storey")
+            return ()
+        name = source.identifier(entry.get("id"), "a level id")
+        elevation = source.number(entry["elevation"], f"the elevation of level {name}")
+        height = source.number(entry.get("height", DEFAULT_HEIGHT), f"the height of level {name}")
+        levels.append(Level(name, str(entry.get("name") or name)[:100], elevation, height))
     ordered = sorted(levels, key=lambda level: level.elevation)
     if len(ordered) > MAX_LEVELS:
         raise source.fault(f"at most {MAX_LEVELS} levels", len(ordered))
@@ -74,8 +88,11 @@ def level_of(
     raise source.fault(expected, "none" if named is None else repr(named), room)
 
 
-def sound_flight(source: Source, stairs: Stairs) -> Stairs:
-    """Return a flight if it has a length and a width."""
+def read_flight(source: Source, name: str, entry: Mapping[str, Any], level: str) -> Stairs:
+    """Return the flight of an entry ``from``, ``to``, ``width``, not yet linked with rooms."""
+    start, end = (source.point(entry.get(key), f"stairs {name}") for key in ("from", "to"))
+    width = source.number(entry.get("width"), f"the width of stairs {name}")
+    stairs = Stairs(name, level, (start[0], start[2]), (end[0], end[2]), width)
     if stairs.length < STAIRS.least_flight or stairs.width <= 0:
         expected = f"stairs {stairs.id} at least {STAIRS.least_flight:g} m long, with a width"
         raise source.fault(expected, f"{stairs.length:.2f} and {stairs.width:.2f} m")

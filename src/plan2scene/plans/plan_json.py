@@ -11,7 +11,7 @@ from typing import Any
 from plan2scene.errors import InputError
 from plan2scene.house import DEFAULT_HEIGHT, House, Level, Room, Stairs, Wall
 from plan2scene.plans.geometry import find_doors, walls_of_rooms
-from plan2scene.plans.levels import level_of, linked, ordered_levels, sound_flight, used_levels
+from plan2scene.plans.levels import level_of, linked, read_flight, read_levels, used_levels
 from plan2scene.plans.openings import Segment, place_openings
 from plan2scene.plans.parse import Source
 from plan2scene.plans.plan_file import PlanFormat
@@ -40,7 +40,7 @@ def house_of_plan(document: Any, house_id: str, *, file: str = "") -> House:
     source = Source(file, house_id)
     source.identifier(house_id, "a house name")
     _check_schema(source, document)
-    levels = _levels(source, document)
+    levels = read_levels(source, document)
     heights = {level.id: level.height for level in levels}
     rooms = []
     for entry in document["rooms"]:
@@ -68,20 +68,6 @@ def house_of_plan(document: Any, house_id: str, *, file: str = "") -> House:
         name=source.shown_name(document.get("name")),
         warnings=tuple(source.warnings),
     )
-
-
-def _levels(source: Source, document: dict[str, Any]) -> tuple[Level, ...]:
-    """Return the levels, the lowest first."""
-    levels = [
-        Level(
-            entry["id"],
-            entry.get("name") or entry["id"],
-            source.number(entry["elevation"], f"the elevation of level {entry['id']}"),
-            float(entry.get("height", DEFAULT_HEIGHT)),
-        )
-        for entry in document.get("levels", [])
-    ]
-    return ordered_levels(source, levels)
 
 
 def _with_openings(
@@ -129,17 +115,11 @@ def _on_level(
 
 def _stairs(source: Source, entries: list[dict[str, Any]], levels: Sequence[Level]) -> list[Stairs]:
     """Return the flights as drawn; ids are given to those without."""
-    flights: list[Stairs] = []
+    flights = []
     for number, entry in enumerate(entries):
         name = entry.get("id", f"stairs_{number}")
-        if any(name == flight.id for flight in flights):
-            raise source.fault("each stairs id once", f"{name} twice")
-        (x0, z0), (x1, z1) = (
-            [source.number(v, f"stairs {name}") for v in entry[key]] for key in ("from", "to")
-        )
         level = level_of(source, entry, levels, f"stairs {name}")
-        flight = Stairs(name, level, (x0, z0), (x1, z1), float(entry["width"]))
-        flights.append(sound_flight(source, flight))
+        flights.append(read_flight(source, name, entry, level))
     return flights
 
 

@@ -26,30 +26,12 @@ from plan2scene.house import (
 )
 from plan2scene.io import read_text
 from plan2scene.plans.geometry import find_doors, walls_of_rooms
-from plan2scene.plans.levels import level_of, linked, ordered_levels, sound_flight, used_levels
+from plan2scene.plans.levels import level_of, linked, read_flight, read_levels, used_levels
 from plan2scene.plans.parse import SAME_POINT, Source, parse_json
 from plan2scene.plans.plan_file import PlanFormat
 from plan2scene.plans.scene_frame import upright
 
 STOREY = 1.8  #: Floors with no other between that are so far apart (metres) are two storeys
-
-
-def read_levels(source: Source, arch: Mapping[str, Any]) -> tuple[Level, ...]:
-    """Return the levels of a file, the lowest first; none where it has none.
-
-    Levels in another program's form, without an elevation, are left out with a warning.
-    """
-    levels = []
-    for entry in source.items(arch.get("levels"), "levels"):
-        level = source.mapping(entry, "a level")
-        if "elevation" not in level:
-            source.warn("levels with an elevation", "others; read as one storey")
-            return ()
-        name = source.identifier(level.get("id"), "a level id")
-        elevation = source.number(level.get("elevation"), f"the elevation of level {name}")
-        height = source.number(level.get("height", DEFAULT_HEIGHT), f"the height of level {name}")
-        levels.append(Level(name, str(level.get("name") or name)[:100], elevation, height))
-    return ordered_levels(source, levels)
 
 
 def levels_of_rooms(
@@ -99,12 +81,9 @@ def read_stairs(source: Source, arch: Mapping[str, Any], levels: Sequence[Level]
     for entry in source.items(arch.get("stairs"), "stairs"):
         item = source.mapping(entry, "stairs")
         name = source.identifier(item.get("id"), "an id of stairs")
-        start, end = (source.point(item.get(key), f"stairs {name}") for key in ("from", "to"))
-        width = source.number(item.get("width"), f"the width of stairs {name}")
         lowest = levels[0].id if levels else ""
         level = level_of(source, item, levels, f"stairs {name}") if "level" in item else lowest
-        flight = Stairs(name, level, (start[0], start[2]), (end[0], end[2]), width)
-        flights.append(sound_flight(source, flight))
+        flights.append(read_flight(source, name, item, level))
     return flights
 
 
@@ -169,6 +148,7 @@ def _read_wall(
     if len(points) != 2:
         raise source.fault(f"two points of wall {wall_id}", len(points), room)
     (x0, _, z0), (x1, _, z1) = (source.point(p, "a wall", room) for p in points)
+    known = {key: value for key, value in element.items() if value is not None}
     tall = max(rooms[room_id].height for room_id in room_ids)
     extra = element.get("extra_height", element.get("extraHeight", defaults["extraHeight"]))
     wall = Wall(
@@ -176,8 +156,8 @@ def _read_wall(
         room_ids=tuple(room_ids),
         start=(x0, z0),
         end=(x1, z1),
-        height=source.number(_given(element.get("height"), tall), "a wall's height", room),
-        depth=source.number(_given(element.get("depth"), defaults["depth"]), "a depth", room),
+        height=source.number(known.get("height", tall), "a wall's height", room),
+        depth=source.number(known.get("depth", defaults["depth"]), "a depth", room),
         extra_height=source.number(extra, "extra_height", room),
     )
     if wall.length <= SAME_POINT:
@@ -189,11 +169,6 @@ def _read_wall(
     if len(once) < len(openings):
         source.warn(f"hole ids that differ on wall {wall_id}", "one twice; first kept", room)
     return replace(wall, openings=tuple(o for o in openings if once[o.id] is o))
-
-
-def _given(value: Any, otherwise: Any) -> Any:
-    """Return `value` unless it is None."""
-    return otherwise if value is None else value
 
 
 def _read_hole(source: Source, value: Any, wall: Wall, number: int) -> Opening:
@@ -255,7 +230,9 @@ def house_of_scene(document: Any, house_id: str, *, file: str = "") -> House:
     """Return the house of a parsed scene.json; see :func:`read_scene_json`."""
     source = Source(file, house_id)
     source.identifier(house_id, "a house name")
-    scene, arch = find_arch(source, document)
+    outer = source.mapping(document, "the document")
+    scene = source.mapping(outer.get("scene", outer), "'scene'")
+    arch = source.mapping(scene.get("arch", scene), "'arch'")
     if scene.get("unit") not in (None, 1):
         raise source.fault("unit 1 (metres)", repr(scene["unit"]))
     scene, arch = upright(source, scene, arch)
@@ -281,13 +258,6 @@ def house_of_scene(document: Any, house_id: str, *, file: str = "") -> House:
     )
 
 
-def find_arch(source: Source, document: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return (scene, arch) of any of the accepted nestings."""
-    outer = source.mapping(document, "the document")
-    scene = source.mapping(outer.get("scene", outer), "'scene'")
-    return scene, source.mapping(scene.get("arch", scene), "'arch'")
-
-
 def _read_rooms(
     source: Source, arch: Mapping[str, Any], elements: list[dict[str, Any]]
 ) -> tuple[dict[str, Room], tuple[Level, ...]]:
@@ -305,26 +275,27 @@ def _read_rooms(
         if room_id not in types:
             source.warn("an entry of 'rooms'", "none; read as Unknown", room_id)
             types[room_id] = ("Unknown",)
-    low = {
-        room_id: _elevation(source, plate, room_id) for room_id, plate in plates["Floor"].items()
-    }
+    floors, ceilings = (
+        {room_id: _read_rings(source, plate, room_id) for room_id, plate in plates[kind].items()}
+        for kind in ("Floor", "Ceiling")
+    )
+    low = {room_id: y for room_id, (_, y) in floors.items()}
     levels, level_by_room = levels_of_rooms(source, arch, list(types), low)
     rooms = {}
     for room_id, names in types.items():
-        floor, ceiling = plates["Floor"].get(room_id), plates["Ceiling"].get(room_id)
-        plate = floor or ceiling
+        plate = floors.get(room_id) or ceilings.get(room_id)
         if plate is None:
             raise source.fault("a Floor element of the room", "none", room_id)
-        if floor is None:
+        if room_id not in floors:
             source.warn("a Floor element", "none; outline of the ceiling used", room_id)
-        rings, _ = _read_rings(source, plate, room_id)
         level = level_by_room[room_id]
         base = low.get(room_id, level.elevation)
         if abs(base - level.elevation) > SAME_POINT:
             there = f"{level.elevation:g}"
             source.warn(f"a floor at y = {there}", f"y = {base:g}, moved to {there}", room_id)
-        height = _room_height(source, room_id, base, ceiling, elements)
-        rooms[room_id] = Room(room_id, names, rings, height, level.id, shown.get(room_id, ""))
+        top = ceilings[room_id][1] if room_id in ceilings else None
+        height = _room_height(source, room_id, base, top, elements)
+        rooms[room_id] = Room(room_id, names, plate[0], height, level.id, shown.get(room_id, ""))
     return rooms, levels
 
 
@@ -343,11 +314,6 @@ def _read_plates(
                     raise source.fault(f"one {kind} element", "two", room_id)
                 plates[kind][room_id] = element
     return plates
-
-
-def _elevation(source: Source, plate: Mapping[str, Any], room: str) -> float:
-    """Return the y of a floor."""
-    return _read_rings(source, plate, room)[1]
 
 
 def _room_types(
@@ -396,13 +362,12 @@ def _room_height(
     source: Source,
     room: str,
     low: float,
-    ceiling: Mapping[str, Any] | None,
+    ceiling: float | None,
     elements: list[dict[str, Any]],
 ) -> float:
     """Return the height in metres: ceiling over floor, else the highest wall, else the default."""
     if ceiling is not None:
-        height = _read_rings(source, ceiling, room)[1] - low
-        height = round(height, 9) if low else height
+        height = round(ceiling - low, 9) if low else ceiling
         if height > SAME_POINT:
             return height
     walls = [

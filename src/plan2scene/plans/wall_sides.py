@@ -41,9 +41,9 @@ class Frame:
         along = np.asarray(s, dtype=np.float64)[..., None] * self.right
         return self.left + along + out * self.normal
 
-    def world(self, sy: np.ndarray, out: float = 0.0) -> np.ndarray:
+    def world(self, sy: np.ndarray) -> np.ndarray:
         """Return (n, 3) world points of (n, 2) local points (s, y)."""
-        plan = self.plan(sy[:, 0], out)
+        plan = self.plan(sy[:, 0])
         return np.stack([plan[:, 0], sy[:, 1], plan[:, 1]], axis=1)
 
     def moved(self, out: float) -> Frame:
@@ -257,7 +257,9 @@ def find_openings(
             openings.holes[side.wall.id, side.room_id].append(cut)
             if side.room_id == side.wall.room_ids[0]:
                 copies.append(_straight(hole, side, polygons))
-    leads_to = _relations(house)
+    leads_to: dict[str, set[str | None]] = defaultdict(set)
+    for door in house.doors:
+        leads_to[door.opening_id] |= {door.room_a, door.room_b}
     used: set[int] = set()
     for index, copy in enumerate(copies):
         if index in used:
@@ -270,17 +272,8 @@ def find_openings(
             openings.portals.append(_joined(copy, copies[partner]))
             continue
         openings.portals.append(copy)
-        wanted = leads_to.get(copy.hole.opening.id, set()) - {copy.side.room_id}
-        _cut_behind(copy, sides, wanted, openings)
+        _cut_behind(copy, sides, leads_to[copy.hole.opening.id] - {copy.side.room_id}, openings)
     return openings
-
-
-def _relations(house: House) -> dict[str, set[str]]:
-    """Return the rooms that each opening leads to."""
-    rooms: dict[str, set[str]] = defaultdict(set)
-    for door in house.doors:
-        rooms[door.opening_id].update(r for r in (door.room_a, door.room_b) if r is not None)
-    return rooms
 
 
 def _straight(hole: FaceOpening, side: Side, polygons: Mapping[str, BaseGeometry]) -> Portal:
@@ -331,7 +324,9 @@ def _joined(copy: Portal, other: Portal) -> Portal:
     return replace(copy, back=ends, depth=max(depth, 0.0), other=other.side.room_id)
 
 
-def _cut_behind(copy: Portal, sides: list[Side], rooms: set[str], openings: Openings) -> None:
+def _cut_behind(
+    copy: Portal, sides: list[Side], rooms: set[str | None], openings: Openings
+) -> None:
     """Cut a hole, known to lead to `rooms`, from their walls when these have no copy of it."""
     ends = copy.side.frame.plan(np.array([copy.hole.left, copy.hole.right]))
     for side in sides:
