@@ -29,7 +29,6 @@ from plan2scene.datasets.assignments import rooms_of_photos
 from plan2scene.images import read_image
 from plan2scene.io import read_json
 from plan2scene.photos.camera.lines import find_segments
-from plan2scene.photos.crops.candidates import rooms_by_size
 from plan2scene.photos.crops.filter import inner_mask, judge_of, strong_edges, with_reason
 from plan2scene.photos.crops.sampling import (
     CROP_PX,
@@ -44,6 +43,7 @@ from plan2scene.photos.labels.palette import read_label_png, write_label_png
 from plan2scene.photos.masks import make_masks
 from plan2scene.photos.planes.planes import Plane, split_planes
 from plan2scene.photos.planes.rectification import RectifiedPlane, plane_axes, rectify
+from plan2scene.photos.planes.walls import RoomSize
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.weights import MODELS
 
@@ -102,7 +102,7 @@ def verdicts(flat: Path, windows: list[Looked], kind: str, work: Path) -> Iterat
     for photo, group in _by_photo(windows).items():
         image = read_image(photos[photo])
         camera = Camera.from_json(cameras[photo])
-        size = next(iter(rooms_by_size(house, rooms[photo])))
+        size = RoomSize.of(house.room(rooms[photo][0]))
         planes = split_planes(
             read_label_png(folder / f"{Path(photo).stem}.png"),
             camera,

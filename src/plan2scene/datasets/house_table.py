@@ -1,8 +1,7 @@
 """The house table, which decides the job graph: ``houses.tsv``, or worked out from the data lists.
 
 Nothing of a house itself is opened here but its photo table, and that only where the house table
-is worked out; a fault of one house is its own jobs' to report. Only :func:`make_house_table`
-writes.
+is worked out; a fault of one house is its own jobs' to report.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ from plan2scene.datasets.assignments import read_rows
 from plan2scene.datasets.layout import Layout, find_layout, require_data_set
 from plan2scene.errors import InputError
 from plan2scene.house import MAX_ID_LENGTH
-from plan2scene.io import atomic_path, read_text, safe_join
+from plan2scene.io import read_text, safe_join
 
 COLUMNS = ("house", "split", "plan", "assignment", "photos")
 SPLITS = ("train", "val", "test")
@@ -167,22 +166,6 @@ def _row(
             warnings.append(str(error))
     named = layout.relative(assignment) if assignment.is_file() else ""
     return TableRow(house_id, split, layout.relative(plan), named, tuple(dict.fromkeys(photos)))
-
-
-def make_house_table(root: str | Path) -> list[str]:
-    """Write the table of :func:`table_of_lists` as ``houses.tsv``; return its warnings.
-
-    The file is not touched when its content is the same.
-    """
-    table = table_of_lists(root)
-    lines = ["\t".join(COLUMNS)]
-    lines += ["\t".join((*row[:-1], "|".join(row.photos))) for row in table.houses.values()]
-    text = "\n".join(lines) + "\n"
-    path = find_layout(root).data / "houses.tsv"
-    if not path.is_file() or path.read_bytes() != text.encode():
-        with atomic_path(path) as temporary:
-            temporary.write_bytes(text.encode())
-    return list(table.warnings)
 
 
 def table_of(dataset: Mapping[str, Any]) -> HouseTable:

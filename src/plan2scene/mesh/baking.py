@@ -62,9 +62,8 @@ class Chart:
 
     def world(self, uv: np.ndarray) -> np.ndarray:
         """Return points (n, 3) `LIFT` in front of the part, of texture coordinates (n, 2)."""
-        known = np.column_stack([np.asarray(self.part.uv), np.ones(len(self.part.mesh.vertices))])
-        to_world, *_ = np.linalg.lstsq(known, self.part.mesh.vertices, rcond=None)
-        return np.asarray(np.column_stack([uv, np.ones(len(uv))]) @ to_world + LIFT * self.normal)
+        points = np.column_stack([uv, np.ones(len(uv))]) @ self.part.uv_to_world()
+        return np.asarray(points + LIFT * self.normal)
 
     def paste(self, image: np.ndarray, values: np.ndarray, inside: np.ndarray) -> None:
         """Write values (h, w, ...) of the grid into an image; off the part its nearest texel's."""

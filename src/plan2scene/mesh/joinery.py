@@ -136,12 +136,12 @@ def _door(portal: Portal, leaf: Colour, trim: Colour | None, swing: float) -> Me
     gap = 0.004
     clear = width - 2 * (jamb + gap)
     low, high = portal.hole.bottom + 0.008, portal.hole.top - jamb - gap
+    hinges = [(jamb + gap, 1.0)]
     if width > JOINERY.two_leaves:
-        half = clear / 2 - gap / 2
-        _leaf(builder, portal, jamb + gap, (1.0, swing), (half, low, high), leaf)
-        _leaf(builder, portal, width - jamb - gap, (-1.0, swing), (half, low, high), leaf)
-    else:
-        _leaf(builder, portal, jamb + gap, (1.0, swing), (clear, low, high), leaf)
+        clear = clear / 2 - gap / 2
+        hinges.append((width - jamb - gap, -1.0))
+    for hinge, side in hinges:
+        _leaf(builder, portal, hinge, (side, swing), (clear, low, high), leaf)
     return builder.build(f"{room}/door/{opening.id}", extras=extras)
 
 

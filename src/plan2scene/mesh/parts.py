@@ -44,6 +44,11 @@ class MeshPart:
     #: what viewers show: room id, kind of part, wall or opening id
     extras: Mapping[str, object] = field(default_factory=dict)
 
+    def uv_to_world(self) -> np.ndarray:
+        """Return (3, 3) float64 that takes rows (u, v, 1) on a flat part to the world, metres."""
+        known = np.column_stack([np.asarray(self.uv), np.ones(len(self.mesh.vertices))])
+        return np.asarray(np.linalg.lstsq(known, self.mesh.vertices, rcond=None)[0])
+
 
 def numbered(names: Iterable[str]) -> list[str]:
     """Return names with ``#2``, ``#3`` ... after one that was there before."""

@@ -83,10 +83,7 @@ def tangents(part: MeshPart) -> np.ndarray:
     The first three point along the image's rows; cross(normal, tangent) times the last (1 or -1)
     points up the image.
     """
-    uv = np.asarray(part.uv)
-    to_world, *_ = np.linalg.lstsq(
-        np.column_stack([uv, np.ones(len(uv))]), part.mesh.vertices, rcond=None
-    )
+    to_world = part.uv_to_world()
     normals = part.mesh.vertex_normals
     along = to_world[0] - normals * (normals @ to_world[0])[:, None]
     along /= np.linalg.norm(along, axis=1, keepdims=True)

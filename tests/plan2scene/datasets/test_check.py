@@ -10,7 +10,7 @@ from plan2scene.datasets.assignments import (
     rooms_of_photos,
 )
 from plan2scene.datasets.drops import read_unobserved
-from plan2scene.datasets.house_table import TableRow, make_house_table, read_table
+from plan2scene.datasets.house_table import TableRow, read_table, table_of_lists
 from plan2scene.datasets.import_plan import import_plan
 from plan2scene.errors import InputError
 from plan2scene.house import House, Room
@@ -163,21 +163,21 @@ def test_bad_house_table(tmp_path, text, line):
     assert line in str(caught.value)
 
 
-def test_make_house_table(dataset):
-    assert make_house_table(dataset) == []
+def test_the_table_of_data_lists(dataset):
+    table = table_of_lists(dataset)
     files = ("archs_no_objects/test/h1.scene.json", "photo_assignments/test/h1.photoroom.csv")
-    row = TableRow("h1", "test", *files, ("one.png",))
-    assert read_table(dataset / "houses.tsv").houses == {"h1": row}
+    assert table.houses == {"h1": TableRow("h1", "test", *files, ("one.png",))}
+    assert table.warnings == ()
 
 
-def test_make_house_table_of_an_incomplete_data_set(dataset):
+def test_the_table_of_an_incomplete_data_set(dataset):
     (dataset / "data_lists/val.txt").write_text("h2\nh3\n")
     (dataset / "full_archs/val").mkdir(parents=True)
     write_scene_json(small_house(), dataset / "full_archs/val/h3.scene.json")
     table(dataset / "photo_assignments/test", "roomId,photo\na,../one.png\n")
-    warnings = make_house_table(dataset)
-    assert [line.split(", house ")[1].split(":")[0] for line in warnings] == ["h2", "h1"]
-    rows = read_table(dataset / "houses.tsv").houses
+    made = table_of_lists(dataset)
+    assert [line.split(", house ")[1].split(":")[0] for line in made.warnings] == ["h2", "h1"]
+    rows = made.houses
     assert list(rows) == ["h2", "h3", "h1"]
     assert rows["h3"] == TableRow("h3", "val", "full_archs/val/h3.scene.json", "", ())
     assert rows["h1"].photos == ()

@@ -10,13 +10,11 @@ from rent3dpp_copy import drawn_icons, write_rent3dpp_copy
 
 from plan2scene.datasets.house_table import (
     chosen_crops,
-    make_house_table,
-    read_table,
     table_of,
+    table_of_lists,
 )
 from plan2scene.datasets.import_plan import (
     add_object_boxes,
-    check_object_boxes,
     import_plan,
     read_object_boxes,
 )
@@ -100,8 +98,7 @@ def test_the_path_may_be_of_the_copy_or_its_input_or_what_holds_data(copy, place
     assert layout.data.resolve() == (copy / "input").resolve()
     assert layout.surface_crops.resolve() == (copy / "processed/surface_crops").resolve()
     assert layout.is_rent3dpp
-    make_house_table(root)
-    for row in read_table(layout.data / "houses.tsv").houses.values():
+    for row in table_of_lists(root).houses.values():
         assert (layout.root / row.plan).is_file()
         assert (layout.root / row.assignment).is_file()
 
@@ -210,7 +207,7 @@ def test_boxes_of_the_reference_converter_fit_its_plan():
     folder = Path(__file__).parents[4] / "shared" / "samples" / "r2v"
     if not folder.is_dir():
         pytest.skip("no shared samples beside the repository")
-    boxes = read_object_boxes(folder / "sample_input.objectaabb.json", "sample")
     house = read_plan(folder / "sample_input.scene.json", "sample")
-    assert {box.type for box in boxes} >= {"toilet", "cooking_counter", "washing_basin"}
-    assert check_object_boxes(house, boxes) == []
+    house, warnings = add_object_boxes(house, folder / "sample_input.objectaabb.json")
+    assert {box.type for box in house.icons} >= {"toilet", "cooking_counter", "washing_basin"}
+    assert warnings == []

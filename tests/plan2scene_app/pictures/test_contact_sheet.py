@@ -16,7 +16,7 @@ from plan2scene.house import House, Room
 from plan2scene.images import png_bytes, write_png
 from plan2scene.io import write_json, write_parquet
 from plan2scene.photos.camera.lines import SEGMENTS, find_segments, write_segments
-from plan2scene.photos.crops.candidates import planes_of_photo, rooms_by_size
+from plan2scene.photos.crops.candidates import planes_of_photo
 from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL, write_label_png
 from plan2scene.photos.planes.planes import plane_row, write_planes
 from plan2scene_app.contact_sheet.panels import LAST_RESORT, REJECTED, SELECTED
@@ -85,7 +85,7 @@ def case(tmp_path: Path) -> dict[str, Any]:
     write_label_png(masks / "a.png", room_labels())
     write_json(masks / "cameras.json", {"a.png": camera().to_json()})
     write_segments(masks / SEGMENTS, {"a.png": find_segments(image)})
-    planes = planes_of_photo(room_labels(), camera(), None, rooms_by_size(HOUSE, ["r1"]))
+    planes = planes_of_photo(room_labels(), camera(), None, [HOUSE.room("r1")])
     rows = [plane_row("a.png", item) for item in planes]
     write_planes(tmp_path / "planes.parquet", rows, dataset="d", house_id="h1")
     lines = ["photo b.jpg left out: no image", "photo c.png left out: file c.png: far too small"]

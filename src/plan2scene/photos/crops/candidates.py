@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from plan2scene.camera import Camera
-from plan2scene.house import House
+from plan2scene.house import Room
 from plan2scene.photos.crops.filter import judge_of, with_reason
 from plan2scene.photos.crops.sampling import Candidate, CropSettings, Reason, sample_candidates
 from plan2scene.photos.crops.selection import WORST_RESORT
@@ -17,29 +17,23 @@ from plan2scene.photos.planes.planes import PhotoPlane, Plane, split_planes
 from plan2scene.photos.planes.walls import PLANES, RoomSize
 
 
-def rooms_by_size(house: House, rooms: Sequence[str]) -> dict[RoomSize, tuple[str, ...]]:
-    """Return the rooms by their height and extent in the plan, in their order."""
-    groups: dict[RoomSize, list[str]] = {}
-    for name in dict.fromkeys(rooms):
-        room = house.room(name)
-        groups.setdefault(RoomSize.of(room), []).append(name)
-    return {size: tuple(members) for size, members in groups.items()}
-
-
 def planes_of_photo(
     labels: np.ndarray,
     camera: Camera,
     segments: np.ndarray | None,
-    rooms_by_size: Mapping[RoomSize, tuple[str, ...]],
+    rooms: Sequence[Room],
     camera_height_m: float = PLANES.camera_height_m,
 ) -> list[PhotoPlane]:
-    """Return the planes of a photo without a known place, for its rooms of each size.
+    """Return the planes of a photo without a known place, once for its rooms of each size.
 
     The others as of :func:`plan2scene.photos.planes.planes.split_planes`.
     """
+    by_size: dict[RoomSize, list[str]] = {}
+    for room in rooms:
+        by_size.setdefault(RoomSize.of(room), []).append(room.id)
     return [
-        PhotoPlane(rooms, plane)
-        for size, rooms in rooms_by_size.items()
+        PhotoPlane(tuple(alike), plane)
+        for size, alike in by_size.items()
         for plane in split_planes(
             labels,
             camera,

@@ -25,7 +25,6 @@ from plan2scene.photos.camera.lines import SEGMENTS, read_segments
 from plan2scene.photos.crops.candidates import (
     candidates_of_photo,
     planes_of_photo,
-    rooms_by_size,
 )
 from plan2scene.photos.crops.colours import (
     colours_of_photo,
@@ -201,9 +200,9 @@ def _crops_of_photo(
     if planes:
         camera = poses[photo].camera
     else:
-        sizes = rooms_by_size(house, rooms)
+        shown = [house.room(room) for room in rooms]
         planes = planes_of_photo(
-            labels, camera, segments().get(photo), sizes, settings.camera_height_m
+            labels, camera, segments().get(photo), shown, settings.camera_height_m
         )
     parts = [part for item in planes for part in floor_parts(item, image)]
     floors = [part for part in parts if part.plane.surface == "floor"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import cv2
@@ -63,21 +64,19 @@ class RoomKinds(nn.Module):
         return y
 
 
-class KindClassifier:
-    """Tells what rooms are used for, given the segmenter that its weights were trained on."""
+def load_kinds(path: str | Path, segmenter: Segmenter) -> Callable[[np.ndarray], np.ndarray]:
+    """Return what tells how probable each of :data:`KINDS` is, (k,) float32, for a (h, w, 3) photo.
 
-    def __init__(self, segmenter: Segmenter, network: RoomKinds) -> None:
-        self._segmenter, self._network = segmenter, network.eval()
-
-    @torch.inference_mode()
-    def probabilities(self, image: np.ndarray) -> np.ndarray:
-        """Return how probable each of :data:`KINDS` is, (k,) float32, for a (h, w, 3) photo."""
-        features = torch.from_numpy(kind_features(self._segmenter, image))
-        return torch.softmax(self._network(features[None])[0], dim=0).numpy()
-
-
-def load_kinds(path: str | Path, segmenter: Segmenter) -> KindClassifier:
-    """Return the classifier of a weights file; InputError when it is none of this network."""
+    By the classifier of a weights file and the segmenter that it was trained on; InputError for a
+    file of another network.
+    """
     state, architecture = load_model_file(path)
     network = filled(lambda: RoomKinds(**architecture), state, "the classifier of rooms", path)
-    return KindClassifier(segmenter, network)
+    network.eval()
+
+    @torch.inference_mode()
+    def probabilities(image: np.ndarray) -> np.ndarray:
+        features = torch.from_numpy(kind_features(segmenter, image))
+        return torch.softmax(network(features[None])[0], dim=0).numpy()
+
+    return probabilities

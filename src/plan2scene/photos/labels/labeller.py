@@ -141,7 +141,7 @@ def _embedded(model: str, kinds: str | Path | None, openings: bool) -> Labeller:
         tells = len(logits) == len(LABELS_AND_OPENINGS)
         return Labelled(labels, probabilities_of(opened) if tells else None)
 
-    tell = load_kinds(kinds, segmenter).probabilities if kinds else None
+    tell = load_kinds(kinds, segmenter) if kinds else None
     return Labeller(label, segmenter.draft if segmenter.network.elevation else None, tell)
 
 

@@ -15,7 +15,7 @@ import cv2
 import numpy as np
 
 from plan2scene.datasets.assignments import read_rows
-from plan2scene.datasets.house_table import make_house_table
+from plan2scene.datasets.house_table import COLUMNS, SPLITS, table_of_lists
 from plan2scene.house import House, SurfaceKey
 from plan2scene.images import write_png
 from plan2scene.io import atomic_directory, atomic_path, write_json
@@ -37,7 +37,6 @@ from plan2scene_workshop.rendering.sources import Sources
 
 _LOGGER = logging.getLogger("plan2scene")
 
-SPLITS = ("train", "val", "test")
 #: Shares of photos that unobserved_photos.json hides.
 DROP_FRACTIONS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 #: How much more likely a room type is photographed than another (listings show living rooms).
@@ -240,4 +239,8 @@ def write_dataset_index(root: str | Path, houses: Mapping[str, str], seed: int) 
         with atomic_path(root / "data_lists" / f"{split}.txt") as temporary:
             temporary.write_text("".join(f"{name}\n" for name in names), encoding="utf-8")
     write_json(root / "unobserved_photos.json", hidden)
-    return make_house_table(root)
+    made = table_of_lists(root)
+    rows = [COLUMNS, *((*row[:-1], "|".join(row.photos)) for row in made.houses.values())]
+    with atomic_path(root / "houses.tsv") as temporary:
+        temporary.write_bytes("".join("\t".join(row) + "\n" for row in rows).encode())
+    return list(made.warnings)
