@@ -19,9 +19,10 @@ from plan2scene.colour import linear_to_srgb
 from plan2scene.house import Room
 from plan2scene.images import read_image
 from plan2scene.mesh.assembly import assemble
-from plan2scene.mesh.build import textured_house
+from plan2scene.mesh.texture_files import textured
 from plan2scene.photos.locate.pose import read_poses
 from plan2scene.photos.planes.planes import plane_of_row, read_planes
+from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.stage_json import read_stage_json
 from plan2scene_app.pictures.renderer import Triangles, look_at
 
@@ -46,9 +47,8 @@ def main() -> None:
     parser.add_argument("out", type=Path)
     given = parser.parse_args()
     given.out.mkdir(parents=True, exist_ok=True)
-    house, textures = textured_house(
-        given.house / "scene.json", given.house / "textures", given.house.name, objects=False
-    )
+    scene = read_scene_json(given.house / "scene.json", given.house.name)
+    house, textures = textured(given.house / "textures", replace(scene, icons=()))
     triangles = Triangles.of(assemble(house).parts, textures)
     poses = read_poses(given.house / "cameras.json")
     frames = read_stage_json(given.house / "masks/cameras.json", "cameras")

@@ -25,9 +25,10 @@ from plan2scene.camera import Camera, as_rows, focal_of
 from plan2scene.colour import delta_e_2000, linear_to_srgb, rgb_to_lab, srgb_to_linear
 from plan2scene.images import read_image
 from plan2scene.mesh.assembly import assemble
-from plan2scene.mesh.build import textured_house
+from plan2scene.mesh.texture_files import textured
 from plan2scene.photos.labels.palette import DOOR, read_label_png
 from plan2scene.photos.locate.pose import read_poses
+from plan2scene.plans.scene_json import read_scene_json
 from plan2scene_app.pictures.renderer import Triangles, look_at
 
 CELL, WIDTH = 8, 256
@@ -84,9 +85,8 @@ def main() -> None:
     parser.add_argument("--cameras", type=Path)
     parser.add_argument("--masks", type=Path)
     given = parser.parse_args()
-    house, textures = textured_house(
-        given.house / "scene.json", given.house / "textures", given.house.name, objects=True
-    )
+    scene = read_scene_json(given.house / "scene.json", given.house.name)
+    house, textures = textured(given.house / "textures", scene)
     parts = assemble(house).parts
     triangles = Triangles.of(parts, textures)
     counts = [len(part.mesh.faces) for part in parts]

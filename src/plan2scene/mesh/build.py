@@ -6,23 +6,11 @@ import logging
 from dataclasses import replace
 from pathlib import Path
 
-from plan2scene.house import House, SurfaceKey
 from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.glb import write_glb
-from plan2scene.mesh.texture_files import TileTexture, textured
+from plan2scene.mesh.texture_files import textured
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.plans.scene_writer import write_scene_json
-
-
-def textured_house(
-    scene_json: str | Path, textures_dir: str | Path, house_id: str, *, objects: bool
-) -> tuple[House, dict[SurfaceKey, TileTexture]]:
-    """Return a normalised plan and the textures that a method left for it.
-
-    The plan is without its fixed objects where `objects` are not wanted.
-    """
-    house, textures = textured(textures_dir, read_scene_json(scene_json, house_id))
-    return house if objects else replace(house, icons=()), textures
 
 
 def build_house(
@@ -41,7 +29,7 @@ def build_house(
     colour. With `objects` the GLB shows the plan's fixed objects (:mod:`plan2scene.mesh.fittings`),
     with `relief` its surfaces have normal maps (:mod:`plan2scene.mesh.relief`).
     """
-    house, textures = textured_house(scene_json, textures_dir, house_id, objects=True)
+    house, textures = textured(textures_dir, read_scene_json(scene_json, house_id))
     furnished = house if objects else replace(house, icons=())
     parts = assemble(furnished).parts
     write_glb(furnished, textures, glb, parts, relief=relief)

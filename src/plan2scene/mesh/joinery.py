@@ -104,6 +104,13 @@ def _depth(portal: Portal) -> float:
     return max(portal.depth / 2 + JOINERY.proud, JOINERY.least_depth / 2)
 
 
+def _extras(portal: Portal) -> dict[str, str]:
+    """Return what viewers show about the parts of an opening."""
+    opening = portal.hole.opening
+    extras = {"kind": opening.kind, "room_id": portal.side.room_id, "opening_id": opening.id}
+    return extras if portal.other is None else {**extras, "leads_to": portal.other}
+
+
 def _surround(
     builder: PartBuilder, portal: Portal, width: float, colour: Colour, *, sill: bool
 ) -> None:
@@ -122,11 +129,8 @@ def _door(portal: Portal, leaf: Colour, trim: Colour | None, swing: float) -> Me
 
     The leaves open into the portal's room where `swing` is 1, into the other where it is -1.
     """
-    builder = PartBuilder()
+    builder, extras = PartBuilder(), _extras(portal)
     room, opening = portal.side.room_id, portal.hole.opening
-    extras = {"kind": opening.kind, "room_id": room, "opening_id": opening.id}
-    if portal.other is not None:
-        extras["leads_to"] = portal.other
     if opening.kind == "passage":
         _surround(builder, portal, 0.015, trim or LINING_COLOUR, sill=False)
         return builder.build(f"{room}/passage/{opening.id}", extras=extras)
@@ -224,8 +228,7 @@ def _veneer(
 
 def _window(portal: Portal, colour: Colour, *, hatch: bool) -> list[MeshPart]:
     """Return a window's frame with mullions, transom and sill board, and its glass."""
-    builder, glass = PartBuilder(), PartBuilder()
-    room, opening = portal.side.room_id, portal.hole.opening
+    builder, glass, extras = PartBuilder(), PartBuilder(), _extras(portal)
     width, low, high = portal.width, portal.hole.bottom, portal.hole.top
     bar = min(JOINERY.frame, 0.12 * min(width, high - low))
     _surround(builder, portal, 0.015 if hatch else bar, colour, sill=True)
@@ -233,10 +236,7 @@ def _window(portal: Portal, colour: Colour, *, hatch: bool) -> list[MeshPart]:
     if low > JOINERY.low_sill:
         reach, back = _depth(portal) + 0.04, -_depth(portal) - 0.04 if hatch else 0.0
         builder.box(frame, (-0.03, low - 0.03, back), (width + 0.03, low, reach), colour)
-    extras = {"kind": "window", "room_id": room, "opening_id": opening.id}
-    if portal.other is not None:
-        extras["leads_to"] = portal.other
-    name = f"{room}/window/{opening.id}"
+    name = f"{portal.side.room_id}/window/{portal.hole.opening.id}"
     if hatch:
         return [builder.build(name, extras=extras)]
     count = max(1, round((width - bar) / JOINERY.pane))

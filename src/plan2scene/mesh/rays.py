@@ -18,38 +18,36 @@ class Rays:
     number of each triangle's part, `face` (t,) int its number within the part.
     """
 
-    def __init__(self, parts: Sequence[MeshPart], scene: object) -> None:
+    def __init__(self, parts: Sequence[MeshPart]) -> None:
+        from embreex.mesh_construction import TriangleMesh
+        from embreex.rtcore_scene import EmbreeScene
+
         self.parts = list(parts)
         self.triangles = np.concatenate([part.mesh.triangles for part in parts])
         counts = [len(part.mesh.faces) for part in parts]
         self.part = np.repeat(np.arange(len(parts)), counts)
         self.face = np.concatenate([np.arange(count) for count in counts])
-        self._scene = scene
+        self._scene = EmbreeScene()
+        TriangleMesh(self._scene, np.ascontiguousarray(self.triangles, dtype=np.float32))
 
     @classmethod
     def of(cls, parts: Sequence[MeshPart]) -> Rays | None:
         """Return the opaque ones among parts; None, with a warning, without a ray tracer."""
         try:
-            from embreex.mesh_construction import TriangleMesh
-            from embreex.rtcore_scene import EmbreeScene
+            return cls([part for part in parts if part.material != "glass"])
         except ImportError:
             logging.getLogger("plan2scene").warning("no Embree here: the house has no occlusion")
             return None
-        scene = EmbreeScene()
-        rays = cls([part for part in parts if part.material != "glass"], scene)
-        TriangleMesh(scene, np.ascontiguousarray(rays.triangles, dtype=np.float32))
-        return rays
 
     def distances(self, origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
         """Return how far rays (n, 3) go before they hit something, (n,) metres (large: never)."""
-        run = self._scene.run  # type: ignore[attr-defined]
         ends = origins.astype(np.float32), directions.astype(np.float32)
-        return np.asarray(run(*ends, query="DISTANCE"))
+        return np.asarray(self._scene.run(*ends, query="DISTANCE"))
 
     def hits(self, origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
         """Return the triangle that each ray (n, 3) hits first, (n,) int; -1 for none."""
-        run = self._scene.run  # type: ignore[attr-defined]
-        return np.asarray(run(origins.astype(np.float32), directions.astype(np.float32)))
+        ends = origins.astype(np.float32), directions.astype(np.float32)
+        return np.asarray(self._scene.run(*ends))
 
     def points(
         self, triangles: np.ndarray, origins: np.ndarray, directions: np.ndarray

@@ -95,9 +95,8 @@ def _fine(luma: np.ndarray, px_per_m: float, mode: _Border) -> np.ndarray:
     """Return what of a luma (h, w) varies at the scales of joints and grain."""
     border = min(SETTINGS.border_px, *(side - 1 for side in luma.shape))
     grown = np.pad(luma, border, mode=mode)
-    bands = (
+    near, far = (
         cv2.GaussianBlur(grown, (0, 0), max(sigma * px_per_m, 0.5))
         for sigma in (SETTINGS.fine_m, SETTINGS.coarse_m)
     )
-    near, far = bands
     return np.asarray((near - far)[border:-border, border:-border])

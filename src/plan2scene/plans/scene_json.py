@@ -5,6 +5,7 @@ Tolerates what real files do (docs/floorplans.md lists it); each repair is a war
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -68,11 +69,8 @@ def _levels_of_floors(
     levels = tuple(
         Level(f"level_{k}", f"Level {k}", y, DEFAULT_HEIGHT) for k, y in enumerate(starts)
     )
-
-    def at(y: float) -> Level:
-        return max((level for level in levels if level.elevation <= y), key=lambda v: v.elevation)
-
-    return levels, {room_id: at(floors.get(room_id, starts[0])) for room_id in room_ids}
+    at = {room_id: bisect_right(starts, floors.get(room_id, starts[0])) - 1 for room_id in room_ids}
+    return levels, {room_id: levels[at[room_id]] for room_id in room_ids}
 
 
 def read_stairs(source: Source, arch: Mapping[str, Any], levels: Sequence[Level]) -> list[Stairs]:

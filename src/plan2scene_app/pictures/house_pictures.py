@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from plan2scene.images import jpeg_bytes, write_png
 from plan2scene.io import atomic_path
 from plan2scene.mesh.assembly import assemble
-from plan2scene.mesh.build import textured_house
 from plan2scene.mesh.rays import Rays
+from plan2scene.mesh.texture_files import textured
 from plan2scene.photos.locate.pose import read_poses
+from plan2scene.plans.scene_json import read_scene_json
 from plan2scene_app.pictures.lit_picture import painter_of
 from plan2scene_app.pictures.pattern_sheet import draw_patterns
 from plan2scene_app.pictures.photo_views import render_photo_views
@@ -53,7 +55,8 @@ def draw_house(
 
     Other parameters as of :func:`plan2scene.mesh.build.build_house`.
     """
-    house, textures = textured_house(scene_json, textures_dir, house_id, objects=objects)
+    house, textures = textured(textures_dir, read_scene_json(scene_json, house_id))
+    house = house if objects else replace(house, icons=())
     built = assemble(house)
     write_png(preview, render_preview(house, textures, built))
     painter = painter_of(house, textures, built.parts, traced=traced)

@@ -62,16 +62,12 @@ def test_assignment_headers(tmp_path, text):
     assert rows == (PhotoAssignment("a", "one.jpg"), PhotoAssignment("a", "two.jpg"))
 
 
-def test_rooms_that_a_traced_plan_lacks_are_left_empty(tmp_path):
-    path = table(tmp_path, "room_id,photo\na,x.jpg\nattic,y.jpg\n")
-    assert rooms_of_photos(path, small_house(), traced=True) == {"x.jpg": ["a"], "y.jpg": []}
-
-
 def test_rooms_of_photos(tmp_path):
     path = table(tmp_path, "room_id,photo\nb,x.jpg\na,y.jpg\na,x.jpg\nb,x.jpg\n")
     house = small_house()
-    house = replace(house, rooms=(*house.rooms, replace(house.rooms[0], id="b")))
-    assert rooms_of_photos(path, house) == {"x.jpg": ["b", "a"], "y.jpg": ["a"]}
+    both = replace(house, rooms=(*house.rooms, replace(house.rooms[0], id="b")))
+    assert rooms_of_photos(path, both) == {"x.jpg": ["b", "a"], "y.jpg": ["a"]}
+    assert rooms_of_photos(path, house, traced=True) == {"x.jpg": ["a"], "y.jpg": ["a"]}
     assert rooms_of_photos(None, house) == {}
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from plan2scene.house import House, IconBox, Room
 from plan2scene.mesh.assembly import assemble
-from plan2scene.mesh.fittings import KINDS, category_of
+from plan2scene.mesh.fittings import KINDS
 
 
 @pytest.fixture
@@ -29,24 +29,13 @@ def objects_of(house: House, *icons: IconBox):
     return [part for part in parts if part.extras["kind"] in ("object", "stairs")]
 
 
-@pytest.mark.parametrize(
-    ("drawn", "category"),
-    [
-        ("toilet", "toilet"),
-        ("washing_basin", "sink"),
-        ("bathtub", "bath"),
-        ("cooking_counter", "stove"),
-        ("closet", "wardrobe"),
-        ("stairs", "stairs"),
-        ("Closet CoatCloset", "wardrobe"),
-        ("CornerBathTub", "bath"),
-        ("special", None),
-        ("entrance", None),
-        ("piano", None),
-    ],
-)
-def test_icons_say_what_they_are(drawn, category):
-    assert category_of(IconBox(drawn, (0, 0), (1, 1))) == category
+def test_icons_say_what_they_are(room_of_four):
+    known = {"washing_basin": "sink", "cooking_counter": "stove", "CornerBathTub": "bath"}
+    known |= {"toilet": "toilet", "Closet CoatCloset": "wardrobe", "stairs": "stairs"}
+    unknown = ("special", "entrance", "piano")
+    icons = [IconBox(drawn, (1.0, 0.1), (1.9, 0.9)) for drawn in (*known, *unknown)]
+    made = [part.extras["category"] for part in objects_of(room_of_four, *icons)]
+    assert made == list(known.values())
 
 
 @pytest.mark.parametrize("category", sorted(KINDS))

@@ -169,12 +169,8 @@ def test_trim_has_the_colour_that_its_room_is_set_to(gap_house, key, in_b):
     assert {share for name, share in blue.items() if name.startswith("structure")} <= {0.0}
 
 
-def board(house, name):
-    return {part.name: part for part in assemble(house).parts}[f"{name}/skirting"].mesh
-
-
-def test_length_is_the_walls_less_the_door(l_house):
-    mesh = board(l_house, "hall")
+def test_boards_are_as_long_as_the_walls_less_the_door(l_house):
+    mesh = by_name(l_house)["hall/skirting"].mesh
     low, high = mesh.bounds
     assert (low[1], high[1]) == (0.0, pytest.approx(SKIRTING.height))
     # Boxes overlap in the corners, so the volume is of the lengths, not of a union.
@@ -182,12 +178,9 @@ def test_length_is_the_walls_less_the_door(l_house):
     assert mesh.volume == pytest.approx(length * SKIRTING.height * SKIRTING.depth, rel=1e-3)
 
 
-def test_no_board_crosses_a_door(gap_house):
-    mesh = board(gap_house, "a")
-    ray = mesh.ray.intersects_any([[2.5, SKIRTING.height / 2, 1.4]], [[1.0, 0.0, 0.0]])
-    assert not ray.any()
-    assert mesh.ray.intersects_any([[2.5, SKIRTING.height / 2, 3.0]], [[1.0, 0.0, 0.0]]).all()
-
-
-def test_bathrooms_have_none(gap_house):
-    assert "b/skirting" not in {part.name for part in assemble(gap_house).parts}
+def test_no_board_crosses_a_door_and_bathrooms_have_none(gap_house):
+    parts = by_name(gap_house)
+    places = [[2.5, SKIRTING.height / 2, z] for z in (1.4, 3.0)]
+    hit = parts["a/skirting"].mesh.ray.intersects_any(places, [[1.0, 0.0, 0.0]] * 2)
+    assert hit.tolist() == [False, True]
+    assert "b/skirting" not in parts

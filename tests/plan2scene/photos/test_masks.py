@@ -29,40 +29,33 @@ def _labels(height: int = 60, width: int = 80) -> np.ndarray:
     return labels
 
 
-def test_label_png_round_trip_is_a_palette_image_whose_values_are_labels(tmp_path: Path) -> None:
+def test_values_of_a_palette_or_grey_png_are_labels(tmp_path: Path) -> None:
     labels = _labels()
-    labels[0, 0] = masks.IGNORE
-    path = tmp_path / "a.png"
-    masks.write_label_png(path, labels)
-    assert np.array_equal(masks.read_label_png(path), labels)
-    with Image.open(path) as image:
+    marked = labels.copy()
+    marked[0, 0] = masks.IGNORE
+    masks.write_label_png(tmp_path / "written.png", marked)
+    assert np.array_equal(masks.read_label_png(tmp_path / "written.png"), marked)
+    with Image.open(tmp_path / "written.png") as image:
         assert image.mode == "P"
         assert np.asarray(image.convert("RGB"))[5, 5].tolist() == list(masks.PALETTE[3])
-
-
-def test_read_label_png_refuses_what_is_no_mask(tmp_path: Path) -> None:
-    (tmp_path / "text.png").write_text("no image")
-    write_png(tmp_path / "colour.png", _photo())
-    write_png(tmp_path / "grey.png", np.full((4, 4), 77, np.uint8))
-    Image.new("L", (9000, 6000)).save(tmp_path / "huge.png")
-    found = {"gone": "no such file", "text": "found text", "colour": "mode RGB"}
-    for name, words in {**found, "grey": "value 77", "huge": "found 9000x6000"}.items():
-        with pytest.raises(InputError, match=rf"{name}\.png.*{words}"):
-            masks.read_label_png(tmp_path / f"{name}.png")
-
-
-def test_palette_colours_do_not_matter_but_values_do(tmp_path: Path) -> None:
-    labels = _labels()
     own = Image.fromarray(labels, mode="P")
     own.putpalette([255, 0, 255, 9, 9, 9, 0, 0, 0, 1, 2, 3, 5, 5, 5])
     own.save(tmp_path / "own.png")
     Image.fromarray(labels).save(tmp_path / "grey.png")
     for name in ("own.png", "grey.png"):
         assert np.array_equal(masks.read_label_png(tmp_path / name), labels)
-    own.putpixel((3, 3), 6)
-    own.save(tmp_path / "four.png")
-    with pytest.raises(InputError, match=r"labels 0 to 5 \(or 255\), found value 6"):
-        masks.read_label_png(tmp_path / "four.png")
+
+
+def test_read_label_png_refuses_what_is_no_mask(tmp_path: Path) -> None:
+    (tmp_path / "text.png").write_text("no image")
+    write_png(tmp_path / "colour.png", _photo())
+    write_png(tmp_path / "grey.png", np.full((4, 4), 6, np.uint8))
+    Image.new("L", (9000, 6000)).save(tmp_path / "huge.png")
+    found = {"gone": "no such file", "text": "found text", "colour": "mode RGB"}
+    value = r"labels 0 to 5 \(or 255\), found value 6"
+    for name, words in {**found, "grey": value, "huge": "found 9000x6000"}.items():
+        with pytest.raises(InputError, match=rf"{name}\.png.*{words}"):
+            masks.read_label_png(tmp_path / f"{name}.png")
 
 
 def test_large_photos_and_their_masks_are_reduced_together(tmp_path: Path) -> None:
@@ -109,15 +102,12 @@ def test_what_only_tells_rooms_is_made_where_one_is_sought(tmp_path: Path) -> No
         masks.write_label_png(tmp_path / "labels" / f"{name}.png", _labels(300, 400))
     photos = {name: tmp_path / name for name in ("a.png", "b.png")}
     label = partial(labeller, "precomputed", precomputed_dir=tmp_path / "labels", house_id="h")
-    for out, find_rooms in (("sought", "embedded"), ("told", None)):
-        make_masks(photos, label, tmp_path / out, house_id="h", find_rooms=find_rooms)
-    sought, told = (
-        [
-            read_json(tmp_path / out / file)
-            for file in ("cameras.json", "kinds.json", "matches.json")
-        ]
-        for out in ("sought", "told")
-    )
+    made = []
+    for find_rooms in ("embedded", None):
+        make_masks(photos, label, tmp_path / "out", house_id="h", find_rooms=find_rooms)
+        files = ("cameras.json", "kinds.json", "matches.json")
+        made.append([read_json(tmp_path / "out" / file) for file in files])
+    sought, told = made
     assert told == [sought[0], {"source": "", "photos": {}}, []]
     assert [pair[:2] for pair in sought[2]] == [["a.png", "b.png"]]
 

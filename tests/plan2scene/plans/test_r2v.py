@@ -152,17 +152,3 @@ def test_network_output_agrees_with_the_reference_converter():
     )
     assert len(house.icons) == 6
     validate_house(house)
-
-
-@pytest.mark.shared
-@pytest.mark.skipif(not SHARED.is_dir(), reason="no samples beside the repository")
-def test_annotation_sample():
-    house = read_plan(SHARED / "sample_r2v_annot.txt", "sample", 0.02)
-    assert (len(house.rooms), len(house.walls)) == (13, 47)
-    assert sum(len(wall.openings) for wall in house.walls) == 13
-    types = [room.types[0] for room in house.rooms]
-    assert types.count("Unknown") == 2
-    assert types.count("Bathroom") == 3
-    assert types.count("Closet") == 3
-    assert len(house.doors) == 10
-    validate_house(house)

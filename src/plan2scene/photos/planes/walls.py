@@ -142,9 +142,7 @@ class Borders:
 
 def find_borders(labels: np.ndarray, camera: Camera) -> Borders:
     """Return feet and tops of the wall mask by azimuth."""
-    rows, columns = labels.shape
-    x, y = np.meshgrid(np.arange(columns, dtype=np.float64), np.arange(rows, dtype=np.float64))
-    rays = camera.rays(np.stack([x, y], axis=-1))
+    rays = camera.rays_at(*np.indices(labels.shape))
     azimuth = np.arctan2(rays[..., 0], rays[..., 2])
     slope = rays[..., 1] / np.maximum(np.hypot(rays[..., 0], rays[..., 2]), 1e-9)
     low, high = float(azimuth.min()), float(azimuth.max())
@@ -152,7 +150,7 @@ def find_borders(labels: np.ndarray, camera: Camera) -> Borders:
     bins = np.clip(((azimuth - low) / width).astype(int), 0, PLANES.bins - 1)
     middle = low + (np.arange(PLANES.bins) + 0.5) * width
     wall = labels == WALL
-    gap = max(1, round(PLANES.gap_share * rows))
+    gap = max(1, round(PLANES.gap_share * len(labels)))
     foot = _borders_on(labels, FLOOR, gap)
     top = _borders_on(labels[::-1], CEILING, gap)[::-1]
     foot &= slope < -0.02
