@@ -190,9 +190,8 @@ def draw(source: Source, masks: Path, *, filtered: bool) -> Drawn:
 
 def measure_house(drawn: Drawn) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
     """Return tables of the selected crops, of the surfaces, and of the surfaces per photo."""
-    selection = select_candidates(drawn.candidates)
     rows = []
-    for number, room in sorted(selection.rooms):
+    for number, room in sorted(select_candidates(drawn.candidates)):
         item = drawn.candidates[number]
         rows.append(
             {

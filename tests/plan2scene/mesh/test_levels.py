@@ -1,11 +1,11 @@
 """Storeys and stairs as meshes, and railings of wells, balconies and terraces."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
 import trimesh
+from glb_file import chunks
 
 from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.glb import write_glb
@@ -105,8 +105,7 @@ def test_glb_has_a_node_for_each_level(house, tmp_path):
     scene = trimesh.load(tmp_path / "house.glb")
     assert scene.graph.transforms.parents["landing/floor"] == "level:upper"
     assert scene.graph.transforms.parents["level:upper"] == "two"
-    data = (tmp_path / "house.glb").read_bytes()
-    tree = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
+    tree, _ = chunks(tmp_path / "house.glb")
     nodes = {node["name"]: node for node in tree["nodes"]}
     assert nodes["level:upper"]["extras"]["elevation"] == 2.8
     assert nodes["landing/floor"]["extras"]["level"] == "upper"

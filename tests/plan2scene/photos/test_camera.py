@@ -5,8 +5,9 @@ from functools import cache
 import cv2
 import numpy as np
 import pytest
+from views import camera_looking
 
-from plan2scene.camera import Camera
+from plan2scene.camera import Camera, as_rows
 from plan2scene.errors import InputError
 from plan2scene.photos.camera.calibration import canonical, estimate_camera
 from plan2scene.photos.camera.exif import ExifFocal
@@ -15,31 +16,20 @@ from plan2scene.photos.camera.lines import CAMERA
 
 def rotation_of(heading_deg, pitch_deg, roll_deg):
     """World-to-camera rotation: heading about y, then pitch (down positive), then roll."""
-    level = np.diag([-1.0, -1.0, 1.0])
-    h, p, r = np.radians([heading_deg, pitch_deg, roll_deg])
-    turn = np.array([[np.cos(h), 0, np.sin(h)], [0, 1, 0], [-np.sin(h), 0, np.cos(h)]])
-    tilt = np.array([[1, 0, 0], [0, np.cos(p), -np.sin(p)], [0, np.sin(p), np.cos(p)]])
+    r = np.radians(roll_deg)
     bank = np.array([[np.cos(r), -np.sin(r), 0], [np.sin(r), np.cos(r), 0], [0, 0, 1]])
-    return bank @ tilt @ level @ turn
+    upright = camera_looking((2, 2), heading_deg=heading_deg, pitch_deg=pitch_deg, focal=1.0)
+    return bank @ upright.matrix
 
 
 @cache
 def checker_room(pose, fov_deg, size=(480, 640), eye=(0.3, 1.5, -1.2)):
     """Ray-cast checkerboards on the inside of a box (4x supersampled); returns an sRGB photo."""
-    rotation, box, cell = rotation_of(*pose), (4.0, 2.6, 5.0), 0.5
+    box, cell = (4.0, 2.6, 5.0), 0.5
     height, width = size
     focal = width / 2 / np.tan(np.radians(fov_deg) / 2)
-    scale = 2
-    y, x = np.mgrid[0 : height * scale, 0 : width * scale]
-    rays = np.stack(
-        [
-            ((x + 0.5) / scale - 0.5 - (width - 1) / 2) / focal,
-            ((y + 0.5) / scale - 0.5 - (height - 1) / 2) / focal,
-            np.ones_like(x, dtype=float),
-        ],
-        axis=-1,
-    )
-    rays = rays @ rotation
+    place = (2 * width, 2 * height, 2 * focal, width - 0.5, height - 0.5)
+    rays = Camera(*place, as_rows(rotation_of(*pose))).rays_at(*np.indices((2 * height, 2 * width)))
     eye = np.array(eye)
     low = np.array([-box[0] / 2, 0.0, -box[2] / 2])
     high = np.array([box[0] / 2, box[1], box[2] / 2])

@@ -35,8 +35,7 @@ def looking(pitch_deg=20.0, focal=520.0, turn_deg=0.0):
 
 def checkered_floor(camera, height=1.5, cell=0.25):
     """A photo of a checkered floor (cells of `cell` m along x and z) and the floor's plane."""
-    y, x = np.mgrid[0 : SIZE[0], 0 : SIZE[1]]
-    rays = camera.rays(np.stack([x, y], axis=-1))
+    rays = camera.rays_at(*np.indices(SIZE))
     down = rays[..., 1] < -0.05
     reach = np.where(down, -height / np.where(down, rays[..., 1], -1.0), 0.0)
     point = rays * reach[..., None]

@@ -18,8 +18,7 @@ def box_view(heading_deg, pitch_deg, eye, fov_deg=75.0):
     """Labels, wall sides (axis * 2 + positive) and camera of a view into a box."""
     focal = SIZE[1] / 2 / np.tan(np.radians(fov_deg) / 2)
     camera = camera_looking(SIZE, heading_deg=heading_deg, pitch_deg=pitch_deg, focal=focal)
-    y, x = np.mgrid[0 : SIZE[0], 0 : SIZE[1]]
-    rays = camera.rays(np.stack([x, y], axis=-1))
+    rays = camera.rays_at(*np.indices(SIZE))
     with np.errstate(divide="ignore"):
         reach = np.where(rays > 0, (HIGH - eye) / rays, (LOW - eye) / rays)
     axis = reach.argmin(axis=-1)

@@ -20,8 +20,7 @@ def gradient(camera, normal, offset):
     plane = Plane("wall" if normal[1] == 0 else "floor", 0, normal, offset, np.ones(SIZE, bool), "")
     if normal[1] < 0:
         plane = Plane("ceiling", 0, normal, offset, plane.mask, "")
-    y, x = np.mgrid[0 : SIZE[0], 0 : SIZE[1]]
-    rays = camera.rays(np.stack([x, y], axis=-1))
+    rays = camera.rays_at(*np.indices(SIZE))
     towards = rays @ np.array(normal)
     seen = towards < -0.05
     reach = np.where(seen, offset / np.where(seen, towards, -1.0), 0.0)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import groupby, product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -38,20 +37,10 @@ CANDIDATE_COLUMNS = {**_SHARED, "reason": "str", "crop_id": "str", "corners": "o
 LAST_RESORT, WORST_RESORT = 10, 3
 
 
-@dataclass(frozen=True)
-class Selection:
-    """Which candidates of a house become crops."""
+def select_candidates(candidates: Sequence[Candidate]) -> set[tuple[int, str]]:
+    """Return (number in the sequence, room) of the candidates that become crops.
 
-    #: Number of a candidate that some room selects, to its number k within the mask.
-    crop_index: dict[int, int]
-    rooms: set[tuple[int, str]]  #: (candidate's number, room) of the crops
-
-
-def select_candidates(candidates: Sequence[Candidate], *, keep_index: bool = False) -> Selection:
-    """Select the good candidates; of a surface that has none, the least bad.
-
-    A surface that a photo shows thus stays observed. With `keep_index` the crops keep their
-    candidates' numbers, else they are counted within each mask.
+    The good ones; of a surface that has none, the least bad, so that it stays observed.
     """
     of_surface: dict[tuple[str, str], list[int]] = {}
     for number, candidate in enumerate(candidates):
@@ -67,14 +56,7 @@ def select_candidates(candidates: Sequence[Candidate], *, keep_index: bool = Fal
             selected = [number for number in selected if verdicts[number].grave != mild]
             selected = selected[:LAST_RESORT] if mild else _few_of_each(selected, candidates)
         rooms.update((number, room) for number in selected)
-    count: Counter[tuple[str, str, int]] = Counter()
-    crop_index: dict[int, int] = {}
-    for number in sorted({number for number, _ in rooms}):
-        candidate = candidates[number]
-        key = (candidate.photo, candidate.surface, candidate.plane)
-        crop_index[number] = candidate.crop.index if keep_index else count[key]
-        count[key] += 1
-    return Selection(crop_index, rooms)
+    return rooms
 
 
 def _few_of_each(numbers: Sequence[int], candidates: Sequence[Candidate]) -> list[int]:
@@ -97,11 +79,19 @@ def write_tables(
     """Write both tables, one row per candidate and room; return the crop table.
 
     The crops keep the order of the candidates, room by room within a photo; the medoid of each
-    surface is marked. `keep_index` as in :func:`select_candidates`.
+    surface is marked. With `keep_index` the crops keep their candidates' numbers, else they are
+    counted within each mask.
     """
     import pandas as pd
 
-    selection = select_candidates(candidates, keep_index=keep_index)
+    crops = select_candidates(candidates)
+    count: Counter[tuple[str, str, int]] = Counter()
+    crop_index: dict[int, int] = {}
+    for number in sorted({number for number, _ in crops}):
+        candidate = candidates[number]
+        key = (candidate.photo, candidate.surface, candidate.plane)
+        crop_index[number] = candidate.crop.index if keep_index else count[key]
+        count[key] += 1
     candidate_rows: list[dict[str, Any]] = []
     crop_rows: list[dict[str, Any]] = []
     images: dict[tuple[str, str], list[tuple[int, np.ndarray]]] = {}
@@ -110,13 +100,13 @@ def write_tables(
         encoded = {
             number: png_bytes(candidate.crop.image)
             for number, candidate in members
-            if number in selection.crop_index
+            if number in crop_index
         }
         for room, (number, candidate) in product(members[0][1].rooms, members):
-            selected = (number, room) in selection.rooms
+            selected = (number, room) in crops
             row = _candidate_row(candidate, room, selected=selected)
             if selected:
-                index = selection.crop_index[number]
+                index = crop_index[number]
                 name = f"{Path(candidate.photo).stem}_{candidate.plane}_crop{index}"
                 row["crop_id"] = f"{candidate.surface}/{name}"
                 images.setdefault((room, candidate.surface), []).append(
