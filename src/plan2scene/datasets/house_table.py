@@ -6,6 +6,7 @@ is worked out; a fault of one house is its own jobs' to report.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -21,7 +22,7 @@ from plan2scene.io import read_text, safe_join
 
 COLUMNS = ("house", "split", "plan", "assignment", "photos")
 SPLITS = ("train", "val", "test")
-_NAME_CHARACTERS = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-")
+_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
 
 
 class TableRow(NamedTuple):
@@ -102,8 +103,7 @@ def read_table(path: Path) -> HouseTable:
 def _check_row(row: TableRow, others: Collection[str], path: Path) -> None:
     """Raise InputError for a row that can't become jobs, or of a house that `others` has."""
     name = row.house
-    bad = not name or name.startswith((".", "-")) or not set(name) <= _NAME_CHARACTERS
-    if bad or len(name) > MAX_ID_LENGTH:
+    if len(name) > MAX_ID_LENGTH or not _NAME.fullmatch(name):
         expected = f"a house name of letters, digits, '_', '-', '.', at most {MAX_ID_LENGTH}"
         raise InputError(expected, repr(name), file=path)
     if name in others:

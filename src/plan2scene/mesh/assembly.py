@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -88,7 +87,9 @@ def build_storey(
     portals = _largest(openings.portals)
     leaves = dict(house.door_colours)
     usual = leaves.get("", LEAF_COLOUR)
-    doors, indoors = _doors_of_rooms(portals), {r.id for r in house.rooms if not r.open_air}
+    swinging = [portal for portal in portals if portal.hole.opening.kind == "door"]
+    doors = Counter(room for portal in swinging for room in (portal.side.room_id, portal.other))
+    indoors = {room.id for room in house.rooms if not room.open_air}
     for portal in portals:
         strip = threshold(portal)
         leaf = leaves.get(portal.hole.opening.id, usual)
@@ -102,12 +103,6 @@ def build_storey(
     if below is not None:
         parts.extend(soffit(level, together, bodies, below))
     return Storey(level, house, tuple(parts), tuple(bodies), tuple(portals), well, above)
-
-
-def _doors_of_rooms(portals: Iterable[Portal]) -> Counter[str | None]:
-    """Return how many doors each room has."""
-    doors = [portal for portal in portals if portal.hole.opening.kind == "door"]
-    return Counter(room for portal in doors for room in (portal.side.room_id, portal.other))
 
 
 def _largest(portals: list[Portal]) -> list[Portal]:

@@ -90,10 +90,8 @@ class Attention(nn.Module):
         self.norm, self.norm_wide = nn.GroupNorm(1, channels), nn.GroupNorm(1, channels)
         self.ask = nn.Conv2d(channels, 3 * channels, 1)
         self.mix = nn.Conv2d(channels, channels, 1)
-        self.wide, self.narrow = (
-            nn.Conv2d(channels, 2 * channels, 1),
-            nn.Conv2d(2 * channels, channels, 1),
-        )
+        self.wide = nn.Conv2d(channels, 2 * channels, 1)
+        self.narrow = nn.Conv2d(2 * channels, channels, 1)
         for last in (self.mix, self.narrow):
             nn.init.zeros_(last.weight)
             nn.init.zeros_(last.bias)  # type: ignore[arg-type]

@@ -61,15 +61,6 @@ class Checkpoint:
             expected = "photos.pretrained.revision: a commit of 40 hexadecimal digits"
             raise InputError(expected, self.revision or "none", file=self.id)
 
-    @property
-    def name(self) -> str:
-        """Return the folder or the hub id."""
-        return str(self.path or self.id)
-
-    def options(self) -> dict[str, Any]:
-        """Return the keyword arguments for transformers that locate the checkpoint."""
-        return {"local_files_only": True} if self.path else {"revision": self.revision}
-
 
 class PretrainedSegmenter:
     """Labels photos by a transformers model with ADE20K classes.
@@ -109,7 +100,7 @@ def load_pretrained(checkpoint: Checkpoint) -> PretrainedSegmenter:
     safetensors without code of its own, lacks weights, or has other classes than ADE20K's.
     """
     checkpoint.check()
-    name = checkpoint.name
+    name = str(checkpoint.path or checkpoint.id)
     try:
         transformers = importlib.import_module("transformers")
         base = importlib.import_module("transformers.image_processing_base")
@@ -118,7 +109,9 @@ def load_pretrained(checkpoint: Checkpoint) -> PretrainedSegmenter:
         raise InputError(expected, str(error), file=name) from None
     from safetensors import SafetensorError
 
-    options = checkpoint.options()
+    options: dict[str, Any] = {"revision": checkpoint.revision}
+    if checkpoint.path:
+        options = {"local_files_only": True}
     try:
         model, info = transformers.AutoModelForSemanticSegmentation.from_pretrained(
             name, use_safetensors=True, trust_remote_code=False, output_loading_info=True, **options

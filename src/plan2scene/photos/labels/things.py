@@ -94,18 +94,6 @@ def things_installed() -> bool:
     return all(find_spec(name) is not None for name in (NETWORK, WEIGHTS))
 
 
-def kinds_of_things(seen: np.ndarray) -> np.ndarray:
-    """Return how probable each of :data:`KINDS` is, (k,), given how surely each thing shows.
-
-    `seen` is (t,) in [0, 1]: a thing that does not show says nothing.
-    """
-    shares = np.array([[found.get(kind, 0.0) for kind in KINDS] for _, found in THINGS]) + _LEAST
-    odds = shares / shares.mean(axis=1, keepdims=True)
-    log = SHARPNESS * np.log1p(seen[:, None] * (odds - 1.0)).sum(axis=0)
-    share = np.exp(log - log.max())
-    return np.asarray(share / share.sum(), dtype=np.float32)
-
-
 class ThingKinds:
     """Tells what rooms are used for by the things that photos show."""
 
@@ -144,8 +132,15 @@ class ThingKinds:
         return bool(shares.mean() >= OUTSIDE)
 
     def probabilities(self, image: np.ndarray) -> np.ndarray:
-        """Return how probable each of :data:`KINDS` is, (k,) float32, for a (h, w, 3) photo."""
-        return kinds_of_things(self.seen(image))
+        """Return how probable each of :data:`KINDS` is, (k,) float32, for a (h, w, 3) photo.
+
+        A thing that does not show says nothing.
+        """
+        shares = [[found.get(kind, 0.0) + _LEAST for kind in KINDS] for _, found in THINGS]
+        odds = np.array(shares) / np.mean(shares, axis=1, keepdims=True)
+        log = SHARPNESS * np.log1p(self.seen(image)[:, None] * (odds - 1.0)).sum(axis=0)
+        share = np.exp(log - log.max())
+        return np.asarray(share / share.sum(), dtype=np.float32)
 
 
 def load_things() -> ThingKinds:
