@@ -36,7 +36,8 @@ def triangulate(geometry: BaseGeometry) -> tuple[np.ndarray, np.ndarray]:
         corners, index = triangulate_polygon(orient(polygon), engine="earcut")
         unique, inverse = unique_rows(corners, keep_order=True)  # rings come closed
         corners, index = corners[unique], inverse[index]
-        areas = signed_areas(corners, index)
+        # Of the triangles: positive where counter-clockwise.
+        areas = cross(np.pad(corners, ((0, 0), (0, 1)))[index])[:, 2] / 2
         total = float(np.abs(areas).sum())
         if abs(total - polygon.area) > AREA_TOLERANCE * max(polygon.area, 1e-3):
             raise ValueError(f"triangles of {total:.9f} m2 for a polygon of {polygon.area:.9f} m2")
@@ -45,9 +46,3 @@ def triangulate(geometry: BaseGeometry) -> tuple[np.ndarray, np.ndarray]:
         faces.append(index + count)
         count += len(corners)
     return np.concatenate(points), np.concatenate(faces)
-
-
-def signed_areas(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Return the (m,) signed areas of 2-D triangles, positive when counter-clockwise."""
-    flat = np.pad(points, ((0, 0), (0, 1)))
-    return np.asarray(cross(flat[faces])[:, 2] / 2)

@@ -157,8 +157,10 @@ def structure_part(
     _prism(builder, area, wall.height - 10 * LIFT, top)
     _prism(builder, edge, wall.height, top)
     for portal in portals:
-        if portal.side.wall.id == wall.id:
-            _reveals(builder, portal)
+        if portal.side.wall.id == wall.id and portal.depth >= 1e-4:
+            *around, sill = reveal_quads(portal.side.frame, portal.hole, portal.back)
+            for quad in (*around, sill) if portal.hole.bottom > 0.02 else around:
+                builder.quad(quad, REVEAL_COLOUR)
     if not builder:
         return None
     extras = {"kind": "structure", "wall_id": wall.id}
@@ -240,17 +242,6 @@ def _prism(
         frame = frame_between(start, end, normal)
         corners = np.array([[0, low], [frame.length, low], [frame.length, high], [0, high]])
         builder.quad(frame.world(corners), colour)
-
-
-def _reveals(builder: PartBuilder, portal: Portal) -> None:
-    """Add the inner sides of a hole: jambs, head and (for a window) sill."""
-    if portal.depth < 1e-4:
-        return
-    *around, sill = reveal_quads(portal.side.frame, portal.hole, portal.back)
-    for quad in around:
-        builder.quad(quad, REVEAL_COLOUR)
-    if portal.hole.bottom > 0.02:
-        builder.quad(sill, REVEAL_COLOUR)
 
 
 def threshold(portal: Portal) -> MeshPart | None:

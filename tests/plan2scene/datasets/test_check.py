@@ -126,14 +126,6 @@ def test_import_stops_at_a_bad_table(tmp_path, caplog):
     assert caplog.messages[-1].endswith(f"photo gone.jpg in {tmp_path}, found no such file")
 
 
-def test_house_table(tmp_path):
-    path = table(tmp_path, HEADER + "h1\ttest\tp.json\tt.csv\ta.jpg|b.jpg\nNA\tval\tq.json\t\t\n")
-    assert list(read_table(path).houses.values()) == [
-        TableRow("h1", "test", "p.json", "t.csv", ("a.jpg", "b.jpg")),
-        TableRow("NA", "val", "q.json", "", ()),
-    ]
-
-
 @pytest.mark.parametrize(
     ("text", "line"),
     [

@@ -9,14 +9,16 @@ HEADER = "house\tsplit\tplan\tassignment\tphotos\n"
 
 def test_only_the_asked_splits(tmp_path):
     path = tmp_path / "houses.tsv"
-    path.write_text(HEADER + "a\ttrain\tp\t\t\nb\ttest\tp\t\tx.jpg|y.jpg\n")
+    path.write_text(HEADER + "NA\ttrain\tp\t\t\nb\ttest\tp\tt.csv\tx.jpg|y.jpg\n")
     table = read_table(path)
-    assert table.of_splits(["test"]) == {"b": TableRow("b", "test", "p", "", ("x.jpg", "y.jpg"))}
+    rows = {"b": TableRow("b", "test", "p", "t.csv", ("x.jpg", "y.jpg"))}
+    assert table.of_splits(["test"]) == rows
+    assert table["NA"] == TableRow("NA", "train", "p", "", ())
     with pytest.raises(InputError, match="split val, found only test, train"):
         table.of_splits(["val"])
     assert list(table.of_splits(["train", "test"], ["b"])) == ["b"]
-    with pytest.raises(InputError, match=r"house a: .* found no such house"):
-        table.of_splits(["test"], ["b", "a"])
+    with pytest.raises(InputError, match=r"house NA: .* found no such house"):
+        table.of_splits(["test"], ["b", "NA"])
 
 
 def test_an_unknown_house_is_told_with_the_nearest_names(tmp_path):
