@@ -104,13 +104,15 @@ def step_areas(stairs: Stairs, rise: float) -> Iterator[tuple[Polygon, float, fl
         yield area, max(rise * k / count - STAIRS.waist, 0.0), rise * (k + 1) / count
 
 
+def _axes(stairs: Stairs) -> np.ndarray:
+    """Return the (4, 3) box frame of a flight: ahead, up, to its side; the middle of its foot."""
+    (x, z), (dx, dz) = stairs.start, np.subtract(stairs.end, stairs.start) / stairs.length
+    return np.array([[dx, 0.0, dz], [0.0, 1.0, 0.0], [-dz, 0.0, dx], [x, 0.0, z]])
+
+
 def _steps(stairs: Stairs, rise: float) -> MeshPart:
     """Return the part ``{room}/stairs/{id}``: a box each step, the last as high as the rise."""
-    builder = PartBuilder()
-    start, end = np.array(stairs.start), np.array(stairs.end)
-    up = (end - start) / stairs.length
-    foot = [start[0], 0.0, start[1]]
-    axes = np.array([[up[0], 0.0, up[1]], [0.0, 1.0, 0.0], [-up[1], 0.0, up[0]], foot])
+    builder, axes = PartBuilder(), _axes(stairs)
     half, deep = stairs.width / 2, stairs.length / step_count(rise)
     for k, (_, low, high) in enumerate(step_areas(stairs, rise)):
         builder.box(axes, (k * deep, low, -half), ((k + 1) * deep, high, half), WOOD)
@@ -146,10 +148,8 @@ def _add_handrail(builder: PartBuilder, stairs: Stairs, rise: float, side: Frame
     """Add posts at both ends, two bars a step, and the rail above the steps' edges."""
     count, length = step_count(rise), stairs.length
     deep, riser = length / count, rise / count
-    start, way = np.array(stairs.start), np.subtract(stairs.end, stairs.start) / length
-    foot = start + side.normal * (stairs.width / 2)
-    axes = np.array([[way[0], 0.0, way[1]], [0, 1, 0], np.zeros(3), [foot[0], 0.0, foot[1]]])
-    axes[2] = np.cross(axes[0], axes[1])
+    axes = _axes(stairs)
+    axes[3, [0, 2]] += side.normal * (stairs.width / 2)
     inward = float(np.sign(axes[2, [0, 2]] @ -side.normal))  # from the side's edge over the steps
 
     def across(size: float) -> tuple[float, float]:
