@@ -12,8 +12,8 @@ below a white ceiling of the same photo is blue, and a blue wall below a blue ce
 the light of the sky. Where a photo shows that light varies between lamp and sky over its walls, an
 orange ceiling above them says less.
 
-Coloured walls throw their colour on each other and on the ceiling: a carpet below a white ceiling
-that is orange so is no blue one.
+Coloured walls throw their colour on each other and, the more the less lamps light it, on the
+ceiling: a carpet below a white ceiling that is orange so is no blue one.
 
 For a given choice of sorts all priors are normal, but those of floors and coloured walls,
 which may be of anything: theirs and the noise are Student's t. The likeliest terms solve a weighted
@@ -89,6 +89,9 @@ class PaintPrior:
     #: Share of a room's colour (log red, blue of its walls) that the light on its walls and ceiling
     #: has. Chosen on one real listing and the demo (development).
     bounce: float = 0.1
+    #: Standard deviation of that share on a ceiling, which some lamps light and others leave to the
+    #: walls. Chosen on four synthetic homes of strong colours.
+    bounce_deviation: float = 0.1
     #: Factor of the noise of what is seen in another room, which has its own light.
     other_room: float = 2.0
     #: Degrees of freedom of the noise, of floors and walls (Student's t).
@@ -215,7 +218,11 @@ class _Problem:
         mixed = np.minimum([item.mixed for item in observations], prior.most_mixed)
         mixed *= np.array(kind) == KINDS.index("ceiling")
         covariance[:, 1:, 1:] += np.outer(prior.lamp, prior.lamp) * mixed[:, None, None] ** 2
-        self.precision = np.linalg.inv(covariance)
+        self.covariance = covariance
+        #: Observations of ceilings that known walls light, and the terms of these walls.
+        lit = [(k, item) for k, item in enumerate(observations) if item.surface.kind == "ceiling"]
+        self.tinted = [k for k, item in lit if item.lit_by is not None]
+        self.lit_by = [row[item.lit_by] for _, item in lit if item.lit_by is not None]
         self.kind = kinds = np.array([KINDS.index(key.kind) for key in self.surfaces])
         alike = np.zeros((len(kinds), 1))
         means = np.array(prior.colour)[kinds], prior.white + alike, prior.pale + alike
@@ -272,6 +279,10 @@ class _Problem:
         tailed &= self.kind <= KINDS.index("wall")
         terms: np.ndarray = np.zeros((count, 3))
         for _ in range(rounds):
+            covariance = self.covariance.copy()
+            tint = prior.bounce_deviation * terms[self.lit_by, 1:]
+            covariance[self.tinted, 1:, 1:] += tint[:, :, None] * tint[:, None, :]
+            noise_precision = np.linalg.inv(covariance)
             left = np.zeros((count, 3, count, 3))
             right = np.zeros((count, 3))
             for k, precision in enumerate(self.light):
@@ -281,17 +292,18 @@ class _Problem:
                 left[paints, axis, paints, axis] += pull / spread[:, axis] ** 2
                 right[paints, axis] += pull * mean[:, axis] / spread[:, axis] ** 2
                 for other in range(3):
-                    weighted = self.design[axis].T * (trust * self.precision[:, axis, other])
+                    weighted = self.design[axis].T * (trust * noise_precision[:, axis, other])
                     left[:, axis, :, other] += weighted @ self.design[other]
                     right[:, axis] += weighted @ self.observed[:, other]
             solved = np.linalg.solve(left.reshape(3 * count, -1), right.ravel())
             terms = solved.reshape(count, 3)
             residual = self.observed - np.einsum("amt,ta->ma", self.design, terms)
-            squares = np.einsum("ma,mab,mb->m", residual, self.precision, residual)
+            squares = np.einsum("ma,mab,mb->m", residual, noise_precision, residual)
             trust = (prior.freedom + 3) / (prior.freedom + squares)
             odd = (((terms[paints] - mean) / spread) ** 2).sum(axis=1)
             pull = np.where(tailed, (prior.freedom + 3) / (prior.freedom + odd), 1.0)
         value = -0.5 * (prior.freedom + 3) * np.log1p(squares / prior.freedom).sum()
+        value -= 0.5 * np.linalg.slogdet(covariance)[1].sum()
         away = terms[: len(self.light)].copy()
         away[0] -= prior.house_mean
         value -= 0.5 * sum(a @ p @ a for a, p in zip(away, self.light, strict=True))

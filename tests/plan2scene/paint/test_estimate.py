@@ -111,6 +111,17 @@ def test_a_grey_carpet_is_no_blue_one_below_ceilings_that_panelled_walls_tint():
     assert blue == pytest.approx(red, rel=0.1)  # .25 without the tint
 
 
+def test_a_ceiling_that_only_teal_walls_light_is_white():
+    teal = np.array((0.03, 0.12, 0.13))
+    paints = room("a", teal, ceiling=WHITE * (teal / teal[1]) ** 0.5) | room("b", (WHITE,) * 3)
+    shown, _ = joined(observed(paints, {"1": (GREY, "a"), "2": (GREY, "b")}), {})
+    assert SurfaceKey("a", "ceiling") in estimate_paint(shown).white
+    assert (
+        SurfaceKey("a", "ceiling")
+        not in estimate_paint(shown, PaintPrior(bounce_deviation=0)).white
+    )
+
+
 def test_light_is_what_the_paint_leaves():
     paints = room("a", (WHITE,) * 3)
     estimate = estimate_paint(observed(paints, {"1": (LAMP, "a"), "2": (GREY, "a")}))
