@@ -46,7 +46,7 @@ export function readStairs(plan, levels, rooms, limits, fault) {
     if (seen.has(id)) fault("each stairs id once", `${id} twice`);
     seen.add(id);
     const far = [...entry.from, ...entry.to].find((v) => Math.abs(v) > limits.max_coordinate);
-    if (far !== undefined) fault(`${what} within ${limits.max_coordinate} m (is the plan's scale in metres?)`, `${far}`);
+    if (far !== undefined) fault(`a coordinate of ${what} within ${limits.max_coordinate} m (is the plan's scale in metres?)`, `${far}`);
     checkLevel(entry, levels, what, fault);
     const length = dist(entry.from, entry.to);
     if (length < limits.least_flight) fault(`${what} at least ${limits.least_flight} m long, with a width`, `${length.toFixed(2)} and ${entry.width.toFixed(2)} m`);

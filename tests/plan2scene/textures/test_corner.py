@@ -71,7 +71,7 @@ def test_completed_squares_go_on_tiled_surfaces_alone():
         KnownSurface(SurfaceKey(room, "wall"), room == "bath", substance=substance, **facts)
         for room, substance in kinds.items()
     )
-    files, settings = SimpleNamespace(house_id="h"), TextureSettings(seed=0, size_px=128)
+    files, settings = SimpleNamespace(house_id="h", patterns=None), TextureSettings(seed=0, size_px=128)
     data = SimpleNamespace(exemplars={}, files=files)
     made = exemplar_tiles(TextureInputs(data, surfaces, tuple(crops), {}, settings))
     assert made[bath].pattern.completed is not None

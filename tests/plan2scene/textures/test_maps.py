@@ -143,7 +143,7 @@ def test_a_regular_tile_repeats_so_that_its_joints_stay_whole(gap_house) -> None
     tile = Tile(image, 0.5, "made up", True, regular=True)
     spread = {}
     for name, made in (("whole", tile), ("cut", replace(tile, regular=False))):
-        found = house_maps(gap_house, {floor: made}, {}, seed=0)[floor]
+        found = house_maps(gap_house, {floor: made}, {}, {}, {}, seed=0)[floor]
         joint = (image_from_bytes(found.jpeg) < 60).mean(axis=0)[..., 0] > 0.9
         steps = np.diff(np.flatnonzero(np.diff(joint.astype(int)) == 1)) / found.px_per_m
         spread[name] = np.abs(steps - 0.5).max()
