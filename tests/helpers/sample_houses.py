@@ -1,5 +1,6 @@
 """Small houses made by hand."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +29,18 @@ def rooms_in_a_row(**types):
         Room(name, (kind,), (tuple((3.0 * k + x, z) for x, z in corners),), 2.5)
         for k, (name, kind) in enumerate(types.items())
     )
+
+
+def reception_and_bedroom():
+    """Return an L-shaped reception with a window and a bedroom behind its door."""
+    ring = ((0.0, 0.0), (5.0, 0.0), (5.0, 4.0), (2.0, 4.0), (2.0, 3.0), (0.0, 3.0))
+    a = Room("a", ("Reception",), (ring,), 2.6)
+    b = Room("b", ("Bedroom",), (((5.0, 0.0), (9.0, 0.0), (9.0, 4.0), (5.0, 4.0)),), 2.6)
+    window = Opening("window", "window", 1.0, 2.6, 0.9, 2.2)
+    door = Opening("door", "door", 0.8, 1.65, 0.0, 2.05)
+    first, shared, *others = walls_of(a, openings={0: [window], 1: [door]})
+    walls = (first, replace(shared, room_ids=("a", "b")), *others, *walls_of(b)[:3])
+    return House("two", (a, b), walls, (Door("a", "door", "b"),))
 
 
 @pytest.fixture

@@ -5,38 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import shapely
+from sample_houses import reception_and_bedroom
 
-from plan2scene.house import Door, House, Opening, Room, Wall
 from plan2scene_workshop.rendering import plan_views
 from plan2scene_workshop.rendering.furniture import furnish_room
 from plan2scene_workshop.rendering.geometry import Geometry
 from plan2scene_workshop.rendering.palette import draw_palette
-from plan2scene_workshop.rendering.shell import SKIRTING_DEPTH, wall_faces
-
-HEIGHT = 2.6
-
-
-def two_rooms() -> House:
-    """Return an L-shaped reception and a bedroom that share a wall with a door."""
-    door = Opening("door", "door", 0.8, 1.65, 0.0, 2.05)
-    window = Opening("window", "window", 1.0, 2.6, 0.9, 2.2)
-    ring = ((0.0, 0.0), (5.0, 0.0), (5.0, 4.0), (2.0, 4.0), (2.0, 3.0), (0.0, 3.0))
-    a = Room("a", ("Reception",), (ring,), HEIGHT)
-    b = Room("b", ("Bedroom",), (((5.0, 0.0), (9.0, 0.0), (9.0, 4.0), (5.0, 4.0)),), HEIGHT)
-    walls = [
-        Wall("w0", ("a",), ring[0], ring[1], HEIGHT, openings=(window,)),
-        Wall("w1", ("a", "b"), ring[1], ring[2], HEIGHT, openings=(door,)),
-    ]
-    for i in range(2, 6):
-        walls.append(Wall(f"w{i}", ("a",), ring[i], ring[(i + 1) % 6], HEIGHT))
-    corners = [(5.0, 0.0), (9.0, 0.0), (9.0, 4.0), (5.0, 4.0)]
-    for i in range(3):
-        walls.append(Wall(f"v{i}", ("b",), corners[i + 1], corners[i], HEIGHT))
-    return House("two", (a, b), tuple(walls), (Door("a", "door", "b"),))
+from plan2scene_workshop.rendering.shell import wall_faces
 
 
 def test_views_stand_in_the_room_and_keep_their_ranges() -> None:
-    house = two_rooms()
+    house = reception_and_bedroom()
     views = plan_views(house, ["a", "b"], 7, 3)
     assert len(views) == 7 and {view.room_id for view in views} == {"a", "b"}
     for view in views:
@@ -57,7 +36,7 @@ def test_views_stand_in_the_room_and_keep_their_ranges() -> None:
 @pytest.mark.parametrize("seed", range(2))
 def test_furniture_stays_inside_and_clear_of_the_camera(seed: int) -> None:
     """Of a listing's room and (odd seeds) of a randomised one."""
-    house = two_rooms()
+    house = reception_and_bedroom()
     room = house.room("a")
     camera = shapely.Point(4.4, 0.6)
     rng = np.random.default_rng(seed)
@@ -71,8 +50,7 @@ def test_furniture_stays_inside_and_clear_of_the_camera(seed: int) -> None:
     points = shapely.points(vertices[:, 0], vertices[:, 2])
     assert len(vertices) > 500
     assert shapely.contains(inside, points).all()
-    assert vertices[:, 1].min() >= -1e-6 and vertices[:, 1].max() <= HEIGHT
+    assert vertices[:, 1].min() >= -1e-6 and vertices[:, 1].max() <= room.height
     tall = vertices[:, 1] > 0.05
     on_floor = vertices[:, 1] < 1.2
     assert shapely.distance(points[tall & on_floor], camera).min() > 0.1
-    assert SKIRTING_DEPTH < 0.02

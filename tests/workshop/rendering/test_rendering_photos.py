@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from model_folder import model_folder
+from sample_houses import reception_and_bedroom
 
 from plan2scene.errors import InputError
-from plan2scene.house import Door, House, Opening, Room, SurfaceKey, Wall
+from plan2scene.house import House, SurfaceKey
 from plan2scene.materials import Material
 from plan2scene_workshop.rendering import RenderedPhoto, plan_views, render_house
 from plan2scene_workshop.rendering.decor import Decor, listing_decor
@@ -25,24 +26,6 @@ pytest.importorskip("mitsuba", exc_type=ImportError)
 #: Works wherever Mitsuba is installed, and compiles nothing.
 VARIANT = "scalar_rgb"
 SIZE = (27, 36)
-HEIGHT = 2.5
-
-
-def _house() -> House:
-    door = Opening("door", "door", 0.8, 1.65, 0.0, 2.05)
-    window = Opening("window", "window", 1.0, 2.6, 0.9, 2.2)
-    a = Room("a", ("Reception",), (((0, 0), (4.5, 0), (4.5, 4), (0, 4)),), HEIGHT)
-    b = Room("b", ("Bedroom",), (((4.5, 0), (8, 0), (8, 4), (4.5, 4)),), HEIGHT)
-    walls = (
-        Wall("w0", ("a",), (0, 0), (4.5, 0), HEIGHT, openings=(window,)),
-        Wall("w1", ("a", "b"), (4.5, 0), (4.5, 4), HEIGHT, openings=(door,)),
-        Wall("w2", ("a",), (4.5, 4), (0, 4), HEIGHT),
-        Wall("w3", ("a",), (0, 4), (0, 0), HEIGHT),
-        Wall("v0", ("b",), (4.5, 0), (8, 0), HEIGHT, openings=(window,)),
-        Wall("v1", ("b",), (8, 0), (8, 4), HEIGHT),
-        Wall("v2", ("b",), (8, 4), (4.5, 4), HEIGHT),
-    )
-    return House("tiny", (a, b), walls, (Door("a", "door", "b"),))
 
 
 def _material(name: str, colour: tuple[int, int, int], size: float = 1.0) -> Material:
@@ -61,7 +44,7 @@ def _materials() -> dict[SurfaceKey, Material]:
 
 @pytest.fixture(scope="module")
 def photos() -> list[RenderedPhoto]:
-    house = _house()
+    house = reception_and_bedroom()
     views = plan_views(house, ["a", "b"], 3, 11)
     return list(_render(house, views))
 
@@ -96,7 +79,7 @@ def test_photos_are_bright_and_see_every_surface(photos: list[RenderedPhoto]) ->
 
 
 def test_unprojected_pixels_lie_on_their_planes() -> None:
-    house = _house()
+    house = reception_and_bedroom()
     view = plan_views(house, ["a"], 1, 11)[0]
     scene = build_room_scene(house, "a", _materials(), {}, [view], 5)
     tracer = Tracer(scene.geometry, scene.finishes, load_mitsuba(VARIANT))
@@ -117,7 +100,7 @@ def test_unprojected_pixels_lie_on_their_planes() -> None:
 
 
 def test_same_seed_same_bytes(photos: list[RenderedPhoto]) -> None:
-    house = _house()
+    house = reception_and_bedroom()
     views = [photo.view for photo in photos]
     photo, again = photos[0], next(_render(house, views))
     assert (again.image == photo.image).all()
@@ -125,7 +108,7 @@ def test_same_seed_same_bytes(photos: list[RenderedPhoto]) -> None:
 
 
 def test_models_furnish_listings_and_keep_clear_of_cameras(tmp_path: Path) -> None:
-    house = _house()
+    house = reception_and_bedroom()
     models = read_model_index(model_folder(tmp_path), train=True)
     decor = listing_decor(Sources(models=models), 3)
     views = plan_views(house, ["a"], 3, 11)
@@ -140,9 +123,9 @@ def test_models_furnish_listings_and_keep_clear_of_cameras(tmp_path: Path) -> No
 
 
 def test_missing_material_is_one_line() -> None:
-    house = _house()
+    house = reception_and_bedroom()
     materials = _materials()
     del materials[SurfaceKey("a", "wall")]
     views = plan_views(house, ["a"], 1, 0)
-    with pytest.raises(InputError, match=r"house tiny, room a: expected a material of wall"):
+    with pytest.raises(InputError, match=r"house two, room a: expected a material of wall"):
         next(render_house(house, materials, {}, views, 0, variant=VARIANT))
