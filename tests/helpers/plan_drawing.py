@@ -10,14 +10,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from shapely.geometry import Point
 
 from plan2scene.errors import InputError
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import point_along, room_polygon
+from plan2scene.plans.validate import house_faults
 
 FLATS = sorted(
     (Path(__file__).parents[2] / "resources/demo/archs_no_objects/test").glob("*.scene.json")
 )
+#: Where the formats that list a room's openings have those of a kind.
+LISTS = {"door": "doors", "window": "windows", "passage": "openings"}
 
 
 def refusal(path, scale=None):
@@ -55,6 +59,11 @@ class Drawn:
     height: float
     holes: list
     adjacency: tuple
+
+    def holes_of(self, area):
+        """Return (list that it is in, hole) of those around a room: both rooms show a door."""
+        near = [hole for hole in self.holes if area.distance(Point(hole.centre)) < 0.15]
+        return [(LISTS[hole.kind], hole) for hole in near]
 
 
 def drawn_flat(number):
@@ -98,6 +107,16 @@ def assert_found(plan, house, *, kinds=True, types=True, heights=True):
         assert_hole(hole, left, plan.thickness, kinds, heights)
     found = {tuple(sorted(names[room] for room in pair)) for pair in house.adjacency()}
     assert found == set(plan.adjacency)
+
+
+def assert_storeys(plans, house, levels):
+    """Every storey is as it was drawn; `levels` are their (id, metres above the ground)."""
+    assert [level.id for level in house.levels] == [name for name, _ in levels]
+    elevations = [level.elevation for level in house.levels]
+    assert elevations == pytest.approx([metres for _, metres in levels])
+    for plan, (_, storey) in zip(plans, house.storeys(), strict=True):
+        assert_found(plan, storey)
+    assert list(house_faults(house)) == []
 
 
 def assert_hole(hole, left, thickness, kinds, heights):

@@ -4,12 +4,11 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from plan_drawing import FLATS, assert_found, drawn_flat, refusal
+from plan_drawing import FLATS, assert_found, assert_storeys, drawn_flat, refusal
 from shapely.geometry import LineString
 
 from plan2scene.errors import InputError
 from plan2scene.plans.formats import read_plan
-from plan2scene.plans.validate import house_faults
 from plan2scene_app.exports.ifc4 import write_ifc
 
 ifcopenshell = pytest.importorskip("ifcopenshell")
@@ -141,13 +140,7 @@ def test_two_storeys_come_back(tmp_path):
     for plan, name, base in zip(plans, ("Ground", "Upper floor"), (0.0, 3.0), strict=True):
         writer.storey(plan, name, base=base)
     found = read_plan(writer.saved(tmp_path), "h1")
-    assert [(level.id, level.elevation) for level in found.levels] == [
-        ("ground", 0.0),
-        ("upper_floor", pytest.approx(3.0)),
-    ]
-    for plan, (_, storey) in zip(plans, found.storeys(), strict=True):
-        assert_found(plan, storey)
-    assert list(house_faults(found)) == []
+    assert_storeys(plans, found, [("ground", 0.0), ("upper_floor", 3.0)])
 
 
 def test_foundations_are_no_storey(tmp_path):

@@ -5,11 +5,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from plan_drawing import FLATS, assert_found, drawn_flat, refusal
+from plan_drawing import FLATS, LISTS, assert_found, assert_storeys, drawn_flat, refusal
 
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import room_polygon
-from plan2scene.plans.validate import house_faults
 
 LABELS = {"Reception": "livingRoom", "Corridor": "hallway"}
 
@@ -35,7 +34,7 @@ def surface(kind, start, end, bottom, top, story=0):
     }
 
 
-def room(types, area, plan, holes=(), story=0, base=-1.2, floors=True):
+def room(types, area, plan, story=0, base=-1.2, floors=True):
     points = list(area.exterior.coords)
     walls = [surface("wall", a, b, base, base + plan.height, story) for a, b in pairwise(points)]
     down = [1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, base, 0, 1]
@@ -53,30 +52,17 @@ def room(types, area, plan, holes=(), story=0, base=-1.2, floors=True):
         "sections": [
             {"label": LABELS.get(t, t.lower()), "center": [centre.x, 0, centre.y]} for t in types
         ],
-        "doors": [],
-        "windows": [],
-        "openings": [],
+        **{key: [] for key in LISTS.values()},
         "story": story,
     }
-    keys = {"door": "doors", "window": "windows", "passage": "openings"}
-    for hole in holes:
+    for key, hole in plan.holes_of(area):
         item = surface(hole.kind, *hole.ends, base + hole.bottom, base + hole.top, story)
-        found[keys[hole.kind]].append(item)
+        found[key].append(item)
     return found
 
 
 def rooms_of(plan, **more):
-    return [
-        room(types, area, plan, [h for h in plan.holes if near(h, area)], **more)
-        for _, types, area in plan.rooms
-    ]
-
-
-def near(hole, area):
-    """A scanner shows a door in both rooms."""
-    from shapely.geometry import Point
-
-    return area.distance(Point(hole.centre)) < 0.15
+    return [room(types, area, plan, **more) for _, types, area in plan.rooms]
 
 
 def written(tmp_path, document):
@@ -122,11 +108,7 @@ def test_two_storeys_come_back(tmp_path):
     large, small = drawn_flat(2), drawn_flat(0)
     rooms = [*rooms_of(small, base=-1.2), *rooms_of(large, story=1, base=2.0)]
     found = read_plan(written(tmp_path, {"rooms": rooms}), "h1")
-    assert [level.id for level in found.levels] == ["storey_0", "storey_1"]
-    assert [level.elevation for level in found.levels] == pytest.approx([0.0, 3.2])
-    for plan, (_, storey) in zip((small, large), found.storeys(), strict=True):
-        assert_found(plan, storey)
-    assert list(house_faults(found)) == []
+    assert_storeys((small, large), found, [("storey_0", 0.0), ("storey_1", 3.2)])
 
 
 def test_stairs_join_the_storeys(tmp_path):

@@ -6,12 +6,12 @@ from math import atan2, pi
 from xml.sax.saxutils import quoteattr
 
 import pytest
-from plan_drawing import FLATS, assert_found, drawn_flat, refusal
+from plan_drawing import FLATS, assert_found, assert_storeys, drawn_flat, refusal
 
 from plan2scene.errors import InputError
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import room_polygon
-from plan2scene.plans.validate import house_faults, validate_house
+from plan2scene.plans.validate import validate_house
 from plan2scene_app.plan_formats import containers
 
 
@@ -134,13 +134,7 @@ def test_two_levels_come_back(tmp_path):
     plans = (drawn_flat(0), drawn_flat(2))
     parts = [home_xml(plan, level=level) for plan, (level, *_) in zip(plans, LEVELS, strict=True)]
     found = read_plan(home(tmp_path, *levels, *parts), "h1")
-    assert [(level.id, level.elevation) for level in found.levels] == [
-        ("ground", 0.0),
-        ("upper", pytest.approx(2.6)),
-    ]
-    for plan, (_, storey) in zip(plans, found.storeys(), strict=True):
-        assert_found(plan, storey)
-    assert list(house_faults(found)) == []
+    assert_storeys(plans, found, [("ground", 0.0), ("upper", 2.6)])
 
 
 def test_a_staircase_joins_two_levels_and_a_layer_is_no_level(tmp_path):

@@ -4,8 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from plan_drawing import FLATS, assert_found, drawn_flat, refusal
-from shapely.geometry import Point
+from plan_drawing import FLATS, LISTS, assert_found, drawn_flat, refusal
 
 from plan2scene.errors import InputError
 from plan2scene.plans.formats import read_plan
@@ -18,12 +17,10 @@ def coordinates(points):
 
 
 def holes_of(plan, area):
-    found = {"doors": [], "windows": [], "openings": []}
-    keys = {"door": "doors", "window": "windows", "passage": "openings"}
-    for hole in plan.holes:
-        if area.distance(Point(hole.centre)) < 0.15:
-            found[keys[hole.kind]] += [end.tolist() for end in hole.ends]
-    return {key: coordinates(points) for key, points in found.items()}
+    found = {key: [] for key in LISTS.values()}
+    for key, hole in plan.holes_of(area):
+        found[key] += coordinates(end.tolist() for end in hole.ends)
+    return found
 
 
 def redraw(plan):
