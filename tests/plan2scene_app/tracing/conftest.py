@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from plan2scene_app.tracing.lettering import TextLine
 from plan2scene_app.tracing.settings import DOOR, PLAN_LABELS, WALL, WINDOW
 
 PPM = 30
@@ -26,6 +27,18 @@ def flat_labels() -> np.ndarray:
     paint(DOOR, 2.0, 4.0, 2.9, 4.1)
     paint(WINDOW, 6.0, 1.0, 7.5, 1.1)
     return labels
+
+
+def solid_page(labels: np.ndarray) -> np.ndarray:
+    """Return a page (h, w, 3) whose walls are solid and everything else is blank."""
+    page = np.full((*labels.shape, 3), 255, np.uint8)
+    page[labels == WALL] = 0
+    return page
+
+
+def line(text, x=0.0, y=0.0, size=(60.0, 12.0)):
+    """Return a line of text in the middle of a place, in pixels."""
+    return TextLine(text, (x, y), size, 0.99)
 
 
 def as_probabilities(labels: np.ndarray, sure: float = 0.9) -> np.ndarray:

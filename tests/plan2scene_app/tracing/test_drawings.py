@@ -5,18 +5,13 @@ import numpy as np
 import pytest
 
 from plan2scene_app.tracing.drawings import find_drawings, shows_a_home, storey_told, storeys_of
-from plan2scene_app.tracing.lettering import TextLine
 from plan2scene_app.tracing.named_areas import with_named_areas
 from plan2scene_app.tracing.open_rooms import with_open_rooms
 from plan2scene_app.tracing.regions import find_regions
 from plan2scene_app.tracing.rooms import room_polygons
 from plan2scene_app.tracing.settings import DOOR, OUTSIDE, ROOM, STAIRS, WALL, WINDOW
 
-from .conftest import PPM, as_probabilities, flat_labels
-
-
-def line(text, x, y):
-    return TextLine(text, (x, y), (60.0, 12.0), 0.99)
+from .conftest import PPM, as_probabilities, flat_labels, line, solid_page
 
 
 def test_parts_with_blank_paper_between_are_drawings():
@@ -65,8 +60,7 @@ def test_storeys_lie_on_one_another_by_walls_and_stairs():
 
 def test_dashed_lines_around_a_name_close_a_room():
     labels = np.minimum(flat_labels(), ROOM)
-    page = np.full((*labels.shape, 3), 255, np.uint8)
-    page[labels == WALL] = 0
+    page = solid_page(labels)
     for x in range(243, 264, 6):
         page[60, x : x + 4] = page[90, x : x + 4] = 0
     page[60:91, 266] = 0

@@ -11,20 +11,13 @@ from plan2scene_app.tracing.rooms import room_polygons
 from plan2scene_app.tracing.settings import DOOR, PASSAGE, ROOM, WALL, WINDOW
 from plan2scene_app.tracing.thin_walls import with_thin_walls
 
-from .conftest import PPM, as_probabilities, flat_labels
-
-
-def drawn(labels):
-    """Return a page whose walls are solid, all openings gaps between two thin lines."""
-    page = np.full((*labels.shape, 3), 255, np.uint8)
-    page[labels == WALL] = 0
-    return page
+from .conftest import PPM, as_probabilities, flat_labels, solid_page
 
 
 @pytest.mark.parametrize("arc", [True, False])
 def test_an_arc_makes_a_window_a_door(arc):
     labels = flat_labels()
-    page = drawn(labels)
+    page = solid_page(labels)
     if arc:
         cv2.ellipse(page, (180, 33), (45, 45), 0, 0, 90, (0, 0, 0), 1)
     found = with_drawn_doors(labels, page, PPM)
@@ -34,7 +27,7 @@ def test_an_arc_makes_a_window_a_door(arc):
 
 def test_a_gap_in_a_wall_between_rooms_is_a_door():
     labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels())
-    page = drawn(labels)
+    page = solid_page(labels)
     labels[60:87, 150:153] = WALL  # the door between both rooms
     assert (with_drawn_doors(labels, page, PPM)[62:85, 151] == DOOR).all()
     page[:] = 255  # walls that are not solid
@@ -55,8 +48,7 @@ def test_two_doors_that_meet_in_a_corner_are_two():
 def test_thin_lines_part_named_rooms_and_gaps_in_them_are_doors():
     labels = np.zeros((300, 420), np.uint8)
     labels[30:270, 30:390], labels[36:264, 36:384] = WALL, ROOM
-    page = np.full((*labels.shape, 3), 255, np.uint8)
-    page[labels == WALL] = 0
+    page = solid_page(labels)
     page[36:120, 200] = page[150:264, 200] = 90  # a wall with a gap of a metre
     page[160, 201:384] = 90  # a wall across
     page[60:90, 60] = page[60:90, 90] = page[60, 60:90] = page[90, 60:91] = 90  # a table

@@ -11,16 +11,7 @@ from plan2scene_app.run import SingleHouse, prepare, read_input
 
 
 def request(plan, table=None):
-    return SingleHouse(
-        plan=plan,
-        photo_table=table,
-        photos_dir=None,
-        house="h1",
-        method="exemplar",
-        metres_per_pixel=None,
-        seed=0,
-        texture_size=128,
-    )
+    return SingleHouse(plan, table, None, "h1", "exemplar", None, seed=0, texture_size=128)
 
 
 @pytest.fixture

@@ -3,7 +3,6 @@
 import pytest
 
 from plan2scene_app.plan_formats.measures import read_areas, read_length, read_sides
-from plan2scene_app.tracing.lettering import TextLine
 from plan2scene_app.tracing.scale import (
     RoomSize,
     chain_evidence,
@@ -11,6 +10,8 @@ from plan2scene_app.tracing.scale import (
     room_evidence,
 )
 from plan2scene_app.tracing.settings import SETTINGS
+
+from .conftest import line
 
 
 @pytest.mark.parametrize(
@@ -78,10 +79,6 @@ def test_sides(text, sides):
 
 #: Metres of a pixel in these tests.
 TRUE = 0.02
-
-
-def line(text, x=0.0, y=0.0, size=(30.0, 10.0)):
-    return TextLine(text, (x, y), size, 0.99)
 
 
 def room(width, depth, *texts):

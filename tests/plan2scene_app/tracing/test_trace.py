@@ -168,11 +168,6 @@ def test_what_is_no_plan_is_one_line(tmp_path, monkeypatch, image, found):
     assert [p.name for p in tmp_path.iterdir()] == ["other.png"]
 
 
-def test_the_picture_is_not_overwritten(picture, texts):
-    done = CliRunner().invoke(app, ["trace", str(picture), "--out", str(picture)])
-    assert isinstance(done.exception, InputError)
-
-
 def test_a_picture_of_12000_x_9000_pixels_is_worked_on_at_a_sixth(tmp_path):
     page = Image.new("1", (12_000, 9_000), 1)
     ImageDraw.Draw(page).rectangle((1200, 1200, 9600, 7800), outline=0, width=120)

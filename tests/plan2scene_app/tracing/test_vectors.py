@@ -4,14 +4,13 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from plan2scene_app.tracing.lettering import TextLine
 from plan2scene_app.tracing.openings import find_openings
 from plan2scene_app.tracing.picture import main_direction
 from plan2scene_app.tracing.regions import find_regions, structure_of
 from plan2scene_app.tracing.rooms import describe_rooms, room_polygons, with_types_by_marks
 from plan2scene_app.tracing.settings import DOOR, OUTSIDE, ROOM, WALL, WINDOW
 
-from .conftest import PPM, as_probabilities, flat_labels
+from .conftest import PPM, as_probabilities, flat_labels, line
 
 
 def traced(probabilities):
@@ -65,10 +64,7 @@ def test_a_name_is_no_word_of_appliances_and_joins_the_rooms_of_an_open_one(prob
         "Bedroom": (6.5, 2.3, 40),
         "FRIDGE": (6.5, 3.7, 30),
     }
-    lines = [
-        TextLine(text, (x * PPM, y * PPM), (width, 8.0), 0.9)
-        for text, (x, y, width) in words.items()
-    ]
+    lines = [line(text, x * PPM, y * PPM, (width, 8.0)) for text, (x, y, width) in words.items()]
     rooms = describe_rooms(regions, polygons, probabilities, lines)
     assert sorted(room.name for room in rooms) == ["Front Bedroom", "LIVING / DINING"]
 
@@ -76,8 +72,8 @@ def test_a_name_is_no_word_of_appliances_and_joins_the_rooms_of_an_open_one(prob
 def test_rooms_are_named_by_text_else_by_furniture(probabilities):
     regions, polygons = traced(probabilities)
     lines = [
-        TextLine("Chambre 1", (3.0 * PPM, 2.0 * PPM), (40, 8), 0.9),
-        TextLine("11.31 m²", (3.0 * PPM, 2.4 * PPM), (40, 8), 0.9),
+        line("Chambre 1", 3.0 * PPM, 2.0 * PPM),
+        line("11.31 m²", 3.0 * PPM, 2.4 * PPM),
     ]
     named, other = sorted(
         describe_rooms(regions, polygons, probabilities, lines), key=lambda r: not r.named
@@ -98,7 +94,7 @@ def test_marks_tell_what_an_unnamed_room_is(step, kind):
         probabilities = as_probabilities(np.where(labels == ROOM, 9, labels))
     regions, polygons = traced(probabilities)
     openings = find_openings(regions, polygons, probabilities)
-    lines = [TextLine("Chambre 1", (3.0 * PPM, 2.0 * PPM), (40, 8), 0.9)]
+    lines = [line("Chambre 1", 3.0 * PPM, 2.0 * PPM)]
     rooms = describe_rooms(regions, polygons, probabilities, lines)
     image = np.full((*labels.shape, 3), 255, np.uint8)
     if step:
