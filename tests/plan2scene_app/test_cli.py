@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from typer.testing import CliRunner
+from unscaled_drawings import dxf
 
 from plan2scene.errors import InputError, WorkflowError
 from plan2scene.materials import random_material
@@ -22,6 +23,17 @@ def call(*arguments: object) -> tuple[int, str]:
     if result.exception and not isinstance(result.exception, SystemExit):
         raise result.exception
     return result.exit_code, result.output
+
+
+def fault_of(monkeypatch, capsys, *arguments: object) -> str:
+    """Return the one line that the program prints as it ends with a fault."""
+    monkeypatch.setattr("sys.argv", ["plan2scene", *map(str, arguments)])
+    with pytest.raises(SystemExit) as stop:
+        cli.main()
+    assert stop.value.code == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("ERROR ") and "expected" in line
+    return line
 
 
 def test_metrics_prints_json(tmp_path):
@@ -75,14 +87,8 @@ def test_check_tells_errors_by_its_exit_code(tmp_path):
 def test_run_refuses_a_room_the_plan_lacks_before_any_work(tmp_path, monkeypatch, capsys):
     table = tmp_path / "photos.csv"
     table.write_text("room_id,photo\nno_such_room,x.jpg\n")
-    arguments = ["plan2scene", "run", "--plan", str(PLAN), "--photos", str(table)]
-    monkeypatch.setattr("sys.argv", [*arguments, "--out", str(tmp_path / "out")])
-    with pytest.raises(SystemExit) as stop:
-        cli.main()
-    lines = [line for line in capsys.readouterr().err.splitlines() if "no_such_room" in line]
-    assert stop.value.code == 1
-    assert len(lines) == 1
-    assert "expected" in lines[0] and "found" in lines[0]
+    arguments = ["run", "--plan", PLAN, "--photos", table, "--out", tmp_path / "out"]
+    assert "no_such_room" in fault_of(monkeypatch, capsys, *arguments)
     assert not (tmp_path / "out" / "work" / ".snakemake").exists()
 
 
@@ -114,27 +120,20 @@ def test_checkpoints_are_converted_and_those_of_other_networks_refused(tmp_path)
         call("convert-checkpoint", "texture", path, "--out", tmp_path / "t.safetensors")
 
 
-@pytest.mark.parametrize("command", ["texture", "import", "trace", "convert-checkpoint"])
-def test_no_command_overwrites_a_file_that_is_there(tmp_path, command):
-    given, out = tmp_path / "a.png", tmp_path / "mine.json"
-    Image.fromarray(np.full((64, 64, 3), 180, np.uint8)).save(given)
-    out.write_text("mended by hand")
-    network = ["vgg16"] if command == "convert-checkpoint" else []
-    with pytest.raises(InputError, match="expected a new file to write, found one that is there"):
-        call(command, *network, given, "--out", out)
-    assert out.read_text() == "mended by hand"
-
-
-@pytest.mark.parametrize("command", ["masks", "texture", "import", "convert-checkpoint"])
-def test_no_command_overwrites_its_input(tmp_path, command):
-    given = tmp_path / "a.png"
+@pytest.mark.parametrize("command", ["masks", "texture", "import", "trace", "convert-checkpoint"])
+def test_no_command_overwrites_its_input_or_a_file_that_is_there(tmp_path, command):
+    given, mine = tmp_path / "a.png", tmp_path / "mine.json"
     Image.fromarray(np.full((64, 64, 3), 180, np.uint8)).save(given)
     before = given.read_bytes()
-    out = tmp_path if command == "masks" else given
+    mine.write_text("mended by hand")
     network = ["vgg16"] if command == "convert-checkpoint" else []
     with pytest.raises(InputError, match="expected an output that is no input"):
-        call(command, *network, given, "--out", out)
+        call(command, *network, given, "--out", tmp_path if command == "masks" else given)
     assert given.read_bytes() == before
+    if command != "masks":
+        with pytest.raises(InputError, match="a new file to write, found one that is there"):
+            call(command, *network, given, "--out", mine)
+    assert mine.read_text() == "mended by hand"
 
 
 @pytest.mark.parametrize("command", ["run", "texture", "import"])
@@ -143,13 +142,7 @@ def test_an_output_that_cannot_be_written_is_one_line(tmp_path, monkeypatch, cap
     Image.fromarray(np.full((64, 64, 3), 180, np.uint8)).save(photo)
     blocked.parent.write_text("a file, no folder")
     given = {"run": ["--plan", PLAN], "import": [PLAN], "texture": [photo, "--method", "crop"]}
-    arguments = [command, *given.get(command, [photo]), "--out", blocked]
-    monkeypatch.setattr("sys.argv", ["plan2scene", *map(str, arguments)])
-    with pytest.raises(SystemExit) as stop:
-        cli.main()
-    lines = capsys.readouterr().err.splitlines()
-    assert stop.value.code == 1
-    assert [line.startswith("ERROR ") and "expected" in line for line in lines] == [True]
+    assert fault_of(monkeypatch, capsys, command, *given[command], "--out", blocked)
 
 
 @pytest.mark.parametrize(
@@ -172,31 +165,23 @@ def test_run_without_any_photo_that_can_be_read_is_refused(tmp_path):
     assert not out.exists()
 
 
-@pytest.fixture
-def strange_layers(tmp_path):
-    """A drawing in metres of one room whose layer no usual pattern knows."""
-    ezdxf = pytest.importorskip("ezdxf")
-    document = ezdxf.new("R2010")
-    document.header["$INSUNITS"] = 6
-    ring = [(0, 0), (4, 0), (4, 3), (0, 3)]
-    document.modelspace().add_lwpolyline(ring, close=True, dxfattribs={"layer": "POLY-7"})
-    document.saveas(tmp_path / "flat.dxf")
-    return tmp_path / "flat.dxf"
-
-
-def test_dxf_layers_by_the_command_line(strange_layers, tmp_path):
-    layer, out = ("--dxf-layer", "rooms=poly*,flat"), tmp_path / "scene.json"
-    code, output = call("check", strange_layers)
+def test_dxf_layers_by_the_command_line(tmp_path):
+    pytest.importorskip("ezdxf")
+    plan, out = tmp_path / "flat.dxf", tmp_path / "scene.json"
+    plan.write_bytes(dxf())
+    scale = ("--metres-per-pixel", 0.001)
+    layer = (*scale, "--dxf-layer", "walls=w?,flat")
+    code, output = call("check", plan, *scale)
     assert code == 1 and "rooms, or walls that close some" in output
-    code, output = call("check", strange_layers, *layer)
-    assert code == 0 and "1 rooms, 4 walls" in output
-    call("import", strange_layers, *layer, "--out", out)
-    assert len(read_plan(out, "flat").rooms) == 1
-    call("edit", strange_layers, *layer, "--out", tmp_path / "editor.html")
-    assert '"polygon":[[0.0,0.0]' in (tmp_path / "editor.html").read_text()
+    code, output = call("check", plan, *layer)
+    assert code == 0 and "2 rooms, 8 walls" in output
+    call("import", plan, *layer, "--out", out)
+    assert len(read_plan(out, "flat").rooms) == 2
+    call("edit", plan, *layer, "--out", tmp_path / "editor.html")
+    assert '"polygon":[[' in (tmp_path / "editor.html").read_text()
     for wrong in ("roofs=poly*", "rooms", "rooms=poly", f"rooms={301 * '*'}", "rooms="):
         with pytest.raises(InputError) as caught:
-            call("import", strange_layers, "--dxf-layer", wrong, "--out", out)
+            call("import", plan, "--dxf-layer", wrong, "--out", out)
         assert "\n" not in str(caught.value)
 
 
