@@ -36,7 +36,7 @@ def snapshot(folder: Path) -> dict[str, bytes]:
     }
 
 
-def test_results_without_byproducts_and_again(tmp_path, made):
+def test_results_take_the_place_of_earlier_ones_and_files_of_the_user_are_told(tmp_path, made):
     out = tmp_path / "out"
     for content in (b"new", b"newer"):
         made["house.glb"].write_bytes(content)
@@ -44,11 +44,6 @@ def test_results_without_byproducts_and_again(tmp_path, made):
             folder.deliver(made)
         assert snapshot(out) == {"house.glb": content, "textures/a_floor.png": b"new"}
 
-
-def test_tiles_of_an_earlier_run_go_and_files_of_the_user_are_told(tmp_path, made):
-    out = tmp_path / "out"
-    with claimed_folder(out, NAMES, []) as folder:
-        folder.deliver(made)
     made["textures"].joinpath("a_floor.png").rename(made["textures"] / "b_floor.png")
     with claimed_folder(out, NAMES, []) as folder:
         folder.deliver(made)
@@ -68,13 +63,10 @@ def test_what_no_run_delivered_is_refused_and_stays(tmp_path, name):
 
 
 @pytest.mark.parametrize("name", ["house.glb", "textures/plan.json", "work/plan.json"])
-def test_an_input_in_the_way_is_refused(tmp_path, name):
+def test_an_input_or_a_file_in_the_way_is_refused(tmp_path, name):
     given = tmp_path / name
     refused(tmp_path, "overwrite the input", given)
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_file_is_no_folder(tmp_path):
     (tmp_path / "out").write_text("mine")
     refused(tmp_path / "out", "found a file")
 

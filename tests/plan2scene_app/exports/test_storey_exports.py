@@ -14,13 +14,8 @@ from plan2scene_app.exports.solids import house_solids
 
 
 @pytest.fixture(scope="module")
-def house(storey_house):
-    return storey_house
-
-
-@pytest.fixture(scope="module")
-def solids(house):
-    return {solid.name: solid for solid in house_solids(house)}
+def solids(storey_house):
+    return {solid.name: solid for solid in house_solids(storey_house)}
 
 
 def test_bodies_are_closed_and_at_their_level(solids):
@@ -33,8 +28,8 @@ def test_bodies_are_closed_and_at_their_level(solids):
     assert len(solids["hall/stairs/stairs"].pieces) == 15
 
 
-def test_each_level_has_its_map(house, tmp_path):
-    write_scene_json(house, tmp_path / "scene.json")
+def test_each_level_has_its_map(storey_house, tmp_path):
+    write_scene_json(storey_house, tmp_path / "scene.json")
     (tmp_path / "textures.json").write_text('{"surfaces": {}}')
     out = tmp_path / "out"
     written = export_house(tmp_path / "scene.json", tmp_path, out, "map", house_id="two")
@@ -55,9 +50,9 @@ def test_each_level_has_its_map(house, tmp_path):
     assert at("map_upper", 0.45, 0.5) == FREE
 
 
-def test_a_ball_rests_on_both_floors_and_falls_through_the_well(house, solids):
+def test_a_ball_rests_on_both_floors_and_falls_through_the_well(storey_house, solids):
     mujoco = pytest.importorskip("mujoco")
-    text = mjcf_text(house, list(solids.values()))
+    text = mjcf_text(storey_house, list(solids.values()))
     spots = {"bedroom": (5.0, 3.6, 1.5), "living": (5.0, 0.8, 1.5), "well": (0.45, 3.4, 4.4)}
     rests = {}
     for name, (x, y, z) in spots.items():
@@ -72,12 +67,12 @@ def test_a_ball_rests_on_both_floors_and_falls_through_the_well(house, solids):
     assert 0.05 < rests["well"] < 1.0  # on the steps below, or down them
 
 
-def test_the_simulator_pack_has_every_level(house, paint, tmp_path):
-    write_simulator(house, paint(house), tmp_path)
+def test_the_simulator_pack_has_every_level(storey_house, paint, tmp_path):
+    write_simulator(storey_house, paint(storey_house), tmp_path)
     for name in ("house.glb", "collision.glb", "semantic.glb"):
         scene = trimesh.load(tmp_path / name)
         assert scene.bounds[1, 1] == pytest.approx(2.8 + 2.535, abs=0.07), name
     rows = (tmp_path / "semantic.txt").read_text().splitlines()[1:]
     regions = {row.split(",")[3] for row in rows}
-    assert regions == {str(k) for k in range(-1, len(house.rooms))}
+    assert regions == {str(k) for k in range(-1, len(storey_house.rooms))}
     assert any('"stairs"' in row for row in rows)

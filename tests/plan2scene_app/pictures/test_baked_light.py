@@ -81,19 +81,9 @@ def test_what_has_no_texels_has_the_light_of_walls_near_it(windowed):
     np.testing.assert_allclose(plain[upright & (x < 2.8)].mean(axis=0), wall, rtol=0.25)
 
 
-def test_a_lamp_is_brightest_below_itself(gap_house):
-    light = light_of(gap_house)
-    parts = {part.name: part for part in assemble(gap_house).parts}
-    lamp = lamp_position(gap_house, "b")
-    assert Point(lamp[0], lamp[2]).within(room_polygon(gap_house.room("b")))
-    below = at(light, parts["b/floor"], (lamp[0], 0, lamp[2])).mean()
-    assert below > 1.2 * at(light, parts["b/floor"], (3.3, 0, 0.2)).mean()
-
-
 def test_light_runs_on_where_a_wall_of_one_plane_goes_on(storey_house):
     parts = {part.name: part for part in assemble(storey_house).parts}
-    colours = {key: np.full(3, 0.6) for key in storey_house.surface_keys()}
-    light = bake_light(storey_house, list(parts.values()), colours, 0.25)
+    light = light_of(storey_house)
     before, behind = (  # the hall's wall along two rooms that meet at z = 3.4, nearest to its lamp
         sample([light.image], light.uv(part)[end], np.ones(len(end))).mean(axis=1)
         for part, end in (
@@ -162,19 +152,13 @@ def test_rooms_are_drawn_without_a_ray_tracer(gap_house, paint, monkeypatch):
     assert (first.max(axis=2) > 40).mean() > 0.95
 
 
-@pytest.fixture
-def lit(gap_house):
-    """Return parts, light and lit textures of a house of one grey."""
+def test_a_surface_is_dark_in_its_corners_and_bright_below_the_lamp(gap_house):
     tile = TileTexture(png_bytes(np.full((16, 16, 3), 150, np.uint8)), 0.7, True, "plaster", "t")
     textures = dict.fromkeys(gap_house.surface_keys(), tile)
     parts = assemble(gap_house).parts
     light = bake_light(gap_house, parts, mean_colours(textures), 0.2)
-    return parts, light, lit_textures(gap_house, parts, textures, light)
-
-
-def test_a_surface_is_dark_in_its_corners_and_bright_below_the_lamp(lit, gap_house):
-    parts, _, textures = lit
-    floor = textures[SurfaceKey("b", "floor")]
+    lit = lit_textures(gap_house, parts, textures, light)
+    floor = lit[SurfaceKey("b", "floor")]
     image = np.asarray(Image.open(io.BytesIO(floor.image)).convert("L")).astype(float)
     assert image.shape[1] == pytest.approx(LIT.px_per_m * floor.extent_m[0], abs=1)
     part = next(part for part in parts if part.name == "b/floor")
@@ -183,7 +167,7 @@ def test_a_surface_is_dark_in_its_corners_and_bright_below_the_lamp(lit, gap_hou
     x, z = (floor.turns(np.array(point)) for point in ((4.55, 2.0), (3.15, 0.05)))
     middle, corner = (image[int(v * image.shape[0]), int(u * image.shape[1])] for u, v in (x, z))
     assert middle > corner + 20
-    for texture in textures.values():
+    for texture in lit.values():
         values = np.asarray(Image.open(io.BytesIO(texture.image)))
         assert values.max() < 252 and np.median(values) > 40
 

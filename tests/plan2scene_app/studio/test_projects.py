@@ -141,11 +141,7 @@ time.sleep(60)
 """
 
 
-def process_of(project):
-    return psutil.Process(json.loads((project.path / "run.json").read_text())["pid"])
-
-
-def test_a_run_is_seen_cancelled_and_survives_its_server(project, monkeypatch):
+def test_a_run_is_seen_and_cancelled_by_any_server(project, monkeypatch):
     monkeypatch.setattr(runs, "JOB", (sys.executable, "-c", JOB))
     settings = runs.settings_of({}, 1)
     assert runs.status(project)["state"] == "none"
@@ -157,15 +153,12 @@ def test_a_run_is_seen_cancelled_and_survives_its_server(project, monkeypatch):
     assert found["stages"][0]["state"] == "running"
     with pytest.raises(InputError, match="under way"):
         runs.start(project, settings)
-    process = process_of(project)
+    process = psutil.Process(json.loads((project.path / "run.json").read_text())["pid"])
     family = [process, *process.children(recursive=True)]
     assert len(family) == 2
     runs.cancel(project)
     assert runs.status(project)["state"] == "cancelled"
     assert not any(p.is_running() and p.status() != "zombie" for p in family)
-    runs.start(project, settings)
-    process_of(project).kill()
-    assert wait(project, "interrupted")["stages"] is not None
 
 
 def test_a_bad_plan_is_one_clear_line_of_the_real_job(project):

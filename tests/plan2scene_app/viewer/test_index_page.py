@@ -29,7 +29,7 @@ def make(tmp_path, small_house):
     return (tmp_path / "index.html").read_text(encoding="utf-8")
 
 
-def test_links_are_relative_and_exist(tmp_path, small_house):
+def test_links_figures_and_escaping(tmp_path, small_house):
     page = make(tmp_path, small_house)
     links = re.findall(r'(?:href|src)="((?!data:)[^"]+)"', page)
     assert "houses/small/viewer.html" in links
@@ -38,10 +38,6 @@ def test_links_are_relative_and_exist(tmp_path, small_house):
     for link in links:
         assert not link.startswith(("/", "http"))
         assert (tmp_path / unquote(link)).is_file()
-
-
-def test_figures_and_escaping(tmp_path, small_house):
-    page = make(tmp_path, small_house)
     assert "demo &amp; more" in page
     assert "1 room, 12.0 m²" in page
     assert '<td class="figure">0.1235</td>' in page
