@@ -71,8 +71,8 @@ def test_completed_squares_go_on_tiled_surfaces_alone():
         KnownSurface(SurfaceKey(room, "wall"), room == "bath", substance=substance, **facts)
         for room, substance in kinds.items()
     )
-    files, settings = SimpleNamespace(house_id="h", patterns=None), TextureSettings(seed=0, size_px=128)
-    data = SimpleNamespace(exemplars={}, files=files)
+    data = SimpleNamespace(exemplars={}, files=SimpleNamespace(house_id="h", patterns=None))
+    settings = TextureSettings(seed=0, size_px=128)
     made = exemplar_tiles(TextureInputs(data, surfaces, tuple(crops), {}, settings))
     assert made[bath].pattern.completed is not None
     assert made[SurfaceKey("bed", "wall")].source.startswith("made up: ")
