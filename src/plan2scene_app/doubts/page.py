@@ -283,7 +283,10 @@ def _plan(house: House, level: str, eyes: Mapping[str, tuple[str, float, float]]
         spot = polygon.representative_point()
         left, _, right, _ = polygon.bounds
         letters = min(_LETTERS, 1.6 * (right - left) / len(title))  # .6 as wide as high
-        shapes.append(f'<a href="#room-{name}"><path id="plan-{name}" d="{path}"/></a>')
+        shapes.append(
+            f'<a href="#room-{name}" aria-label="{html.escape(title)}">'
+            f'<path id="plan-{name}" d="{path}"/></a>'
+        )
         labels.append(
             f'<text x="{spot.x:.2f}" y="{spot.y:.2f}" font-size="{letters:.2f}">'
             f"{html.escape(title)}</text>"
@@ -298,6 +301,6 @@ def _plan(house: House, level: str, eyes: Mapping[str, tuple[str, float, float]]
     box = f"{low[0]:.2f} {low[1]:.2f} {size[0]:.2f} {size[1]:.2f}"
     caption = f"<figcaption>{html.escape(level)}</figcaption>" if level else ""
     return (
-        f'<figure class="plan">{caption}<svg viewBox="{box}" role="img">'
+        f'<figure class="plan">{caption}<svg viewBox="{box}" role="group" aria-label="Plan">'
         f"{''.join(shapes + labels + dots)}</svg></figure>"
     )
