@@ -13,7 +13,7 @@ from plan2scene.photos.patterns.bonds import LAID, Zigzag
 from plan2scene.photos.patterns.find import FoundPattern, find_pattern
 from plan2scene.photos.patterns.house_patterns import boarded, continued, floor_patterns
 from plan2scene.photos.patterns.joints import JOINTS, directions, evened
-from plan2scene.photos.patterns.views import FloorView, with_usual_height
+from plan2scene.photos.patterns.views import FloorView, of_one_colour, with_usual_height
 
 SIDE_M = 2.4
 
@@ -99,12 +99,14 @@ def test_what_has_no_joints_has_no_pattern(substance, kind):
     assert find_pattern([replace(seen, px_per_m=90.0)])[0].confidence < 0.5
 
 
-def slanting(zigzag: Zigzag, seed: int) -> np.ndarray:
+def slanting(zigzag: Zigzag, seed: int, joint: float = 0.2) -> np.ndarray:
     """Return a floor whose planks lie in columns along x."""
     y, x = np.mgrid[:SIZE_PX, :SIZE_PX] / JOINTS.px_per_m
     number, u, v, edge = (np.asarray(part) for part in zigzag.planks(x, y))
     key = (number[..., 0] * 7919 + number[..., 1] * 104729) % 8192
-    return made_of(bonds.Layout(key, u, v, edge.astype(np.float32), SIDE_M), seed, turned=True)
+    return made_of(
+        bonds.Layout(key, u, v, edge.astype(np.float32), SIDE_M), seed, turned=True, joint=joint
+    )
 
 
 def zigzags() -> list[Zigzag]:
@@ -126,6 +128,31 @@ def test_planks_in_columns_have_their_size_direction_and_units(true):
     assert found.slant_deg == pytest.approx(true.slant_deg, abs=1.5)
     assert len(units.images) > 12
     assert np.median([(unit.mean(axis=2) < 90).mean() for unit in units.images]) < 0.03
+
+
+def test_columns_are_found_by_the_slant_of_their_grain_without_joints():
+    true = Zigzag("herringbone", 0.09, 0.45)
+    image = slanting(true, seed=4, joint=0.0)
+    found, _ = find_pattern([view(image, 20.0)])
+    assert found.kind == "herringbone"
+    assert found.length_m == pytest.approx(0.45, rel=0.08)
+
+
+def test_a_period_in_one_photo_is_no_multiple_in_another():
+    image = floor(4, 24, 0.37, seed=1)
+    scales = (0.85, 1.0, 1.1, 1.35)
+    found, _ = find_pattern([view(image, 20.0 + k, scale=s) for k, s in enumerate(scales)])
+    assert (found.kind, found.width_m) == ("planks", pytest.approx(0.105, rel=0.15))
+
+
+def test_a_piece_of_another_colour_is_no_part_of_a_floor():
+    image = np.full((200, 400, 3), (150, 110, 80), np.uint8)
+    image[:, 250:] = (150, 150, 200)
+    mask = np.zeros(image.shape[:2], bool)
+    mask[20:180, 20:200] = mask[20:180, 210:240] = mask[50:150, 260:380] = True
+    image[:, 205:245] = image[:, 205:245] // 4 * 3  # in shade
+    kept = of_one_colour(image, mask)
+    assert np.array_equal(kept, mask & (np.arange(400) < 250))
 
 
 def test_a_basket_is_not_taken_for_rows_or_columns():
@@ -236,6 +263,11 @@ def test_a_floor_that_no_crop_shows_runs_on_from_its_neighbours():
     assert continued(plan, {"hall", "den"}, patterns) == {"closet": "hall", "store": "den"}
     patterns["den"] = FoundPattern("planks", 0.2)
     assert continued(plan, {"hall", "den"}, patterns) == {"closet": "hall"}
+    # What the closet shows too little of to have a crop tells the kind, not the size.
+    patterns["closet"] = FoundPattern("planks", 0.05)
+    assert continued(plan, {"hall", "den"}, patterns) == {"closet": "hall"}
+    patterns["closet"] = FoundPattern("tiles", 0.3)
+    assert continued(plan, {"hall", "den"}, patterns) == {}
 
 
 @pytest.mark.parametrize(

@@ -59,7 +59,7 @@ class FindSettings:
     least_mosaic_m: float = 0.015
     mosaic_px: float = 4.0  #: photo pixels of a square, from which on its size is sure
     zigzag_views: int = 12  #: in which slanting planks are looked for
-    zigzag: tuple[float, float] = (0.0, 0.03)  #: score of none, and of one without doubt
+    zigzag: tuple[float, float] = (0.06, 0.12)  #: score of none, and of one without doubt
     plank: float = 2.2  #: length over width of planks, at least
     widest_plank_m: float = 0.3
 
@@ -119,27 +119,22 @@ def find_pattern(
     """
     if not views:
         return FoundPattern("plain"), []
+    slanting = _zigzag(views)
+    if slanting is not None:
+        return slanting
     mosaic = _mosaic(views)
     if mosaic is not None:
-        slanting = _zigzag(views)
-        alike = slanting is not None and abs(np.log(slanting[0].width_m / mosaic.width_m))
-        return (mosaic, []) if slanting is None or alike > 2 * FIND.same_size else slanting
-    curves = [np.max([d.scores for d in _likely(view)], axis=0) for view in views]
-    weights = np.array([_area(view) for view in views])
-    reach = 2 * round(100 * FIND.same_size) + 1
-    pooled = weights @ maximum_filter1d(np.array(curves), reach, axis=1) / weights.sum()
-    confidence, k, readings = _sure(views, pooled, _whole(pooled), (FIND.plain, FIND.clear))
-    if confidence < FIND.believed and _grainy(views):
-        # Wood: joints that stain and gloss hide are those whose multiples are seen as well.
-        combed = weights @ maximum_filter1d(_combed(np.array(curves)), reach, axis=1)
-        combed /= weights.sum()
-        grainy = _sure(views, combed, int(combed.argmax()), FIND.grainy)
-        confidence, k, readings = max(grainy, (confidence, k, readings), key=lambda found: found[0])
-    if not readings or confidence < FIND.believed:
-        unseen = (1.0 - confidence) * _without_joints(views, sum(looks or FIND.usual_looks))
-        return _zigzag(views) or (FoundPattern("plain", confidence=unseen), [])
-    width, spread = _width(readings)
-    ratio, offset = _length(readings)
+        return mosaic, []
+    grainy = _grainy(views)
+    for widest in (np.inf, FIND.widest_plank_m):
+        confidence, readings = _rows(views, grainy, widest)
+        if not readings or confidence < FIND.believed:
+            unseen = (1.0 - confidence) * _without_joints(views, sum(looks or FIND.usual_looks))
+            return FoundPattern("plain", confidence=unseen), []
+        width, spread = _width(readings)
+        ratio, offset = _length(readings)
+        if not grainy or np.isfinite(ratio) or width <= FIND.widest_plank_m:
+            break  # else no wood is so wide
     photos = tuple(dict.fromkeys(r.view.photo for r in readings))
     line = _line(readings)
     kind, square = "planks", abs(np.log(ratio)) < FIND.square if np.isfinite(ratio) else False
@@ -158,24 +153,27 @@ def find_pattern(
     if width <= FIND.widest_plank_m:
         confidence *= wood if kind == "planks" else 1.0 - wood
     direction, located = _direction(readings, 90.0 if square else 180.0)
-    woody, rows = _grainy(views), _in_rows(readings, line)
-    if not woody or not rows:
-        slanting = _zigzag(views)
-        if rows and slanting is not None and (wood <= 0.5 or slanting[0].confidence < 1.0):
-            slanting = None
-        if (
-            slanting is None
-            and not rows
-            and not woody
-            and not (square and _repeats_whole(readings))
-        ):
-            other = FoundPattern("other", width, confidence=confidence, photos=photos)
-            slanting = other, []
-        if slanting is not None:
-            return slanting
+    whole = square and _repeats_whole(readings)
+    if not whole and not grainy and not _in_rows(readings, line):
+        return FoundPattern("other", width, confidence=confidence, photos=photos), []
     sizes = width, ratio * width, spread
     found = FoundPattern(kind, *sizes, direction, offset, confidence, line, photos, located)
     return found, readings
+
+
+def _rows(views: Sequence[FloorView], grainy: bool, widest_m: float) -> tuple[float, list[Reading]]:
+    """Return how sure rows up to a width are, and what each view says of the likeliest width."""
+    curves = np.array([np.max([d.scores for d in _likely(view)], axis=0) for view in views])
+    weights = np.array([_area(view) for view in views]) / sum(map(_area, views))
+    reach = 2 * round(100 * FIND.same_size) + 1
+    single = np.array([_single(curve) for curve in curves]) * np.less_equal(DISTANCES, widest_m)
+    pooled = weights @ maximum_filter1d(single, reach, axis=1)
+    found = _sure(views, pooled, (FIND.plain, FIND.clear))
+    if found[0] < FIND.believed and grainy:
+        # Wood: joints that stain and gloss hide are those whose multiples are seen as well.
+        combed = weights @ maximum_filter1d(_combed(curves), reach, axis=1)
+        found = max(_sure(views, combed, FIND.grainy), found, key=lambda one: one[0])
+    return found
 
 
 def _wood(looks: tuple[float, float] | None, ratio: float) -> float:
@@ -233,7 +231,10 @@ def _zigzag(views: Sequence[FloorView]) -> tuple[FoundPattern, list[Reading]] | 
     """Return the herringbone or chevron that the largest views show; None where there is none."""
     views = sorted(views, key=_area, reverse=True)[: FIND.zigzag_views]
     weights = np.array([_area(view) for view in views])
-    found, score, slants = find_zigzag(views, weights, FIND.same_size)
+    shown = find_zigzag(views, weights, FIND.same_size)
+    if shown is None:
+        return None
+    found, score, slants = shown
     none, sure = FIND.zigzag
     confidence = float(np.clip((score - none) / (sure - none), 0.0, 1.0))
     if confidence < FIND.believed:
@@ -270,18 +271,18 @@ def _likely(view: FloorView) -> list[Direction]:
 
 
 def _sure(
-    views: Sequence[FloorView], pooled: np.ndarray, k: int, scores: tuple[float, float]
-) -> tuple[float, int, list[Reading]]:
-    """Return how sure joints at distance `k` are, `k`, and what each view says of them.
+    views: Sequence[FloorView], pooled: np.ndarray, scores: tuple[float, float]
+) -> tuple[float, list[Reading]]:
+    """Return how sure joints at the best distance are, and what each view says of them.
 
     `pooled` (n,) are the scores of all views, `scores` those of none and of joints beyond doubt.
     """
-    none, clear = scores
+    (none, clear), k = scores, int(pooled.argmax())
     readings = [_read(view, float(DISTANCES[k])) for view in views]
     readings = [r for r in readings if r.score >= 0.5 * none]
     shown = min(sum(r.view.square_m for r in readings) / FIND.enough_m2, 1.0)
     sure = shown * (pooled[k] - none) / (clear - none)  # clear joints make up for little floor
-    return float(np.clip(sure, 0.0, 1.0)), k, readings
+    return float(np.clip(sure, 0.0, 1.0)), readings
 
 
 def _grainy(views: Sequence[FloorView]) -> bool:
@@ -301,20 +302,16 @@ def _combed(curves: np.ndarray) -> np.ndarray:
     return total / 3.0
 
 
-def _whole(pooled: np.ndarray) -> int:
-    """Return the place of the best distance that is no multiple of another.
+def _single(scores: np.ndarray) -> np.ndarray:
+    """Return scores (n,) of a view's distances, 0 at what are multiples of another.
 
     The likeness at an odd multiple of a period is as high as at the period.
     """
-    best = int(pooled.argmax())
-    for parts in (5, 3):
-        k = best - round(100 * np.log(parts))
-        low, high = max(k - 6, 0), k + 7
-        if high > 0:
-            near = low + int(pooled[low:high].argmax())
-            if pooled[near] >= FIND.part * pooled[best]:
-                return near
-    return best
+    near, single = maximum_filter1d(scores, 13), scores.copy()
+    for times in (3.0, 5.0):
+        shift = round(100 * np.log(times))
+        single[shift:][near[:-shift] >= FIND.part * scores[shift:]] = 0.0
+    return single
 
 
 def _read(view: FloorView, width_m: float) -> Reading:
@@ -344,7 +341,7 @@ def _length(readings: Sequence[Reading]) -> tuple[float, float]:
     for row, curve, shift in zip(wide, curves, shifts, strict=True):
         row[reach - shift : reach - shift + size] = curve
     pooled = weights @ maximum_filter1d(wide, 7, axis=1) / weights.sum()
-    k = _whole(pooled)
+    k = int(_single(pooled).argmax())
     others = pooled[np.abs(np.arange(len(pooled)) - k) > 100 * FIND.same_size]
     alone = max(0.5 * FIND.least_length, FIND.alone * float(others.max(initial=0.0)))
     if pooled[k] < min(FIND.least_length, alone):

@@ -107,7 +107,6 @@ def write_patterns(
     pictured, _ = read_parquet(crops)
     seen = set(pictured.loc[pictured["surface"] == "floor", "room_id"])
     seen -= {room for room, pattern in patterns.items() if boarded(pattern, known.get(room))}
-    seen |= {room for room, pattern in patterns.items() if pattern.kind in LAID}
     like = continued(plan, seen, patterns)
     rows = [
         _row(room, *found[like.get(room, room)], like.get(room, ""))
@@ -161,20 +160,23 @@ def continued(
 ) -> dict[str, str]:
     """Return the rooms whose floor runs on from a room beside them, by room.
 
-    They are those without a clearly `seen` floor whose neighbours' floors, as far as seen, have all
-    one pattern of planks or tiles; neither bathrooms nor what is open to the air.
+    They are those without a clearly `seen` floor whose neighbours' floors, as far as known, have
+    all one pattern of planks or tiles; neither bathrooms nor what is open to the air. What such a
+    room shows of a pattern itself tells the kind, its neighbours the size.
     """
     indoors = {r.id for r in plan.rooms if not r.open_air}
     doors = [pair for pair in plan.adjacency() if indoors.issuperset(pair)]
+    laid = {name: pattern for name, pattern in patterns.items() if pattern.kind in LAID}
     found = {}
     for room in plan.rooms:
         if room.id in seen or room.id not in indoors or _WET in room.types:
             continue
-        beside = sorted(
-            {a if b == room.id else b for a, b in doors if room.id in (a, b)} & set(seen)
-        )
-        others = [patterns.get(name, FoundPattern("plain")) for name in beside]
-        if others and all(other.kind in LAID and _same(other, others[0]) for other in others):
+        known = set(seen) if room.id in laid else {*seen, *laid}
+        beside = sorted({a if b == room.id else b for a, b in doors if room.id in (a, b)} & known)
+        first = laid.get(beside[0]) if beside else None
+        if first is None or laid.get(room.id, first).kind != first.kind:
+            continue
+        if all(name in laid and _same(laid[name], first) for name in beside):
             found[room.id] = beside[0]
     return found
 

@@ -10,7 +10,9 @@ import cv2
 import numpy as np
 
 from plan2scene.camera import Camera
+from plan2scene.colour import rgb_to_lab
 from plan2scene.errors import InputError
+from plan2scene.photos.crops.filter import FILTER
 from plan2scene.photos.locate.pose import read_poses
 from plan2scene.photos.patterns.joints import JOINTS, Direction, directions, evened
 from plan2scene.photos.photo_files import read_photo
@@ -120,10 +122,26 @@ def floor_views(seen: PhotoPlanes) -> Iterator[FloorView]:
         way = cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR
         straight = cv2.resize(whole.image, size, interpolation=way)
         mask = cv2.resize(whole.mask.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST)
-        found = directions(*evened(straight, mask > 0))
+        floor = of_one_colour(straight, mask > 0)
+        found = directions(*evened(straight, floor))
         if found:
             plane = item.plane
             known = plane.scale_source in _MEASURED
             height = plane.camera_height_m if known else float("nan")
-            shown = straight, mask > 0, found, 1.0 / whole.metres_per_pixel, height
+            shown = straight, floor, found, 1.0 / whole.metres_per_pixel, height
             yield FloorView(seen.photo, item.rooms, seen.placed, *shown)
+
+
+def of_one_colour(image: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """Return a floor (h, w) bool without pieces of another colour than its largest, as a blanket.
+
+    `image` (h, w, 3) uint8 sRGB. Pieces darker or brighter by light alone stay.
+    """
+    count, number, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8))
+    if count <= 2:
+        return mask
+    shown = [np.median(image[number == k], axis=0) for k in range(1, count)]
+    labs = rgb_to_lab(np.array(shown) / 255.0)
+    largest = int(stats[1:, cv2.CC_STAT_AREA].argmax())
+    away = np.linalg.norm((labs - labs[largest]) * np.array([0.5, 1.0, 1.0]), axis=1)
+    return np.r_[False, away <= FILTER.group_limit][number]
