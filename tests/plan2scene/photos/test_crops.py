@@ -20,6 +20,7 @@ from plan2scene.photos.crops.extract_crops import (
     read_precomputed_crops,
     write_crops,
 )
+from plan2scene.photos.crops.filter import judge_of
 from plan2scene.photos.crops.sampling import CropSettings, sample_candidates
 from plan2scene.photos.crops.selection import CANDIDATE_COLUMNS, COLUMNS
 from plan2scene.photos.labels.palette import write_label_png
@@ -61,6 +62,24 @@ def test_crops_are_metric_and_square_on():
         expected = np.where(odd, 70, 200)
         wrong = np.abs(crop.image[..., 0].astype(int) - expected) > 65
         assert wrong.mean() < 0.08  # blurred borders only
+
+
+def test_smaller_windows_of_a_wall_show_what_is_between_its_pictures():
+    camera = looking(pitch_deg=0.0)
+    rays = camera.rays_at(*np.indices(SIZE))
+    ahead = rays[SIZE[0] // 2, SIZE[1] // 2].round(6)
+    point = rays * (2.0 / (rays @ ahead))[..., None]
+    right, up = point @ np.cross(ahead, (0.0, 1.0, 0.0)), point[..., 1]
+    pictures = (right % 0.3 < 0.14) & (up % 0.3 < 0.14) & (right < 0.3)
+    image = np.where(pictures[..., None], (40, 60, 160), (200, 140, 70))
+    image = (image + np.random.default_rng(0).normal(0, 2, (*SIZE, 1))).astype(np.uint8)
+    seen = (np.abs(right) < 1.0) & (np.abs(up) < 0.7)
+    plane = Plane("wall", 0, tuple(-ahead), -2.0, seen, "plan")
+    judge = judge_of("wall", inside=True)
+    drawn = sample_candidates(image, camera, plane, np.random.default_rng(0), judge=judge)
+    good = [candidate.crop for candidate in drawn if candidate.verdict.good]
+    assert good
+    assert max(crop.size_m for crop in good) < 0.8
 
 
 def test_smaller_windows_where_large_ones_do_not_fit():

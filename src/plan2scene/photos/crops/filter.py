@@ -158,6 +158,8 @@ def judge_of(surface: str, *, inside: bool) -> Judge:
         against = {
             Reason.CLUTTER: is_unlike(patch, *typical[key]),
             Reason.BORDER: not inside,
+            # Pictures may hang as regularly as a pattern: smaller windows show what is between.
+            Reason.RESTLESS: surface == "wall" and unrest(crop.image) >= FILTER.restless,
             Reason.BLURRED: is_blurred(crop),
             Reason.OBLIQUE: is_oblique(crop),
         }

@@ -40,6 +40,7 @@ class Reason(StrEnum):
     HIGHLIGHT = "highlight"
     SHADOW = "shadow edge"
     # From here on the window shows its surface, but poorly.
+    RESTLESS = "restless"
     BLURRED = "not sharp"
     OBLIQUE = "oblique"
     UNKNOWN_DISTANCE = "unknown distance"
