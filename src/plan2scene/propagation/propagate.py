@@ -14,7 +14,7 @@ from plan2scene.io import read_parquet, write_parquet
 from plan2scene.paint.observations import house_colours
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.propagation.graph import HouseGraph, house_graph
-from plan2scene.propagation.substances import usual_shares, weighed
+from plan2scene.propagation.substances import FLOORS_OF, usual_shares, weighed
 from plan2scene.provenance import file_hash
 from plan2scene.weights import fitting, read_model_arrays
 
@@ -159,11 +159,14 @@ def unseen_substances(
     """Return the predicted substance (n, 3) of every surface, the observed ones as if unseen.
 
     A surface that is predicted to be like an observed one, and to have its look, takes the
-    substance that the crops of that one have (`named`).
+    substance that the crops of that one have (`named`); but a bathroom has a floor of its own.
     """
     both = np.stack([predicted.embedding, graph.embeddings])
     likely, looks = substances_of(both, types, texture_model)
+    own = np.array([not FLOORS_OF.keys().isdisjoint(names) for names in types])
     for (row, kind), alike in np.ndenumerate(predicted.alike):
+        if SURFACES[kind] == "floor" and own[row] and not own[alike]:
+            continue
         if alike >= 0 and looks[alike, kind] == likely[row, kind]:
             likely[row, kind] = named.get((int(alike), kind), likely[row, kind])
     return likely

@@ -162,3 +162,11 @@ def test_what_is_like_an_observed_surface_is_called_what_its_crops_were(tmp_path
     assert found[1, 0] == "carpet"
     found[1, 0] = looks[1, 0]
     assert (found == looks).all()
+    # A bathroom keeps its tiles beside a carpet that the head takes for tiles, a kitchen does not.
+    many = np.random.default_rng(0).normal(0, 3, (500, 3, 11)).astype(np.float32)
+    tiled = substances_of(many, [["Bedroom"]] * 500, tmp_path / "m")[:, 0] == "tile"
+    same = np.repeat(many[tiled][:1], 3, axis=0)
+    predicted = Prediction(same, np.ones((3, 3)), alike)
+    graph = HouseGraph(("a", "b", "c"), multi_hot, edges, same, observed)
+    found = unseen_substances(graph, types, predicted, named, tmp_path / "m")
+    assert found[1:, 0].tolist() == ["carpet", "tile"]
