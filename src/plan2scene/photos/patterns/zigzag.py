@@ -133,53 +133,58 @@ def find_zigzag(
 def slants(view: FloorView) -> Slants | None:
     """Return what a view shows of planks in columns; None where its lines do not slant so."""
     contrast, valid = evened(view.image, view.mask)
-    clear, columns, period, ways = _alternating(contrast, valid)
-    if clear < ZIGZAG.least:
+    found = _alternating(contrast, valid)
+    if found is None or found.clear < ZIGZAG.least:
         return None
     near = np.arange(-9.0, 9.5, JOINTS.step_deg / 6)
-    first, second = (w + near[np.argmax(kept_along(contrast, valid, w + near))] for w in ways)
-    middle = (first + second) / 2
-    middle += 90.0 * round((columns - middle) / 90.0)
-    slant = abs((first - middle + 90.0) % 180.0 - 90.0)
-    if ZIGZAG.slant_deg[0] <= slant <= ZIGZAG.slant_deg[1]:
-        columns = middle
-    else:
-        first, second, slant = columns + 45.0, columns - 45.0, 45.0
-    pairs = []
+    first, second = (
+        way + near[np.argmax(kept_along(contrast, valid, way + near))] for way in found.ways_deg
+    )
+    columns = (first + second) / 2
+    columns += 90.0 * round((found.angle_deg - columns) / 90.0)
+    slant = abs((first - columns + 90.0) % 180.0 - 90.0)
+    if not ZIGZAG.slant_deg[0] <= slant <= ZIGZAG.slant_deg[1]:
+        columns, slant = found.angle_deg, 45.0
+        first, second = columns + slant, columns - slant
+    along, alike = JOINTS.along_m * JOINTS.px_per_m, []
     for angle in (first, second):
         turned = upright(contrast, valid, angle)
         counts = Overlap(turned.valid)
-        along = JOINTS.along_m * JOINTS.px_per_m
-        pairs.append(
-            [
-                cv2.dilate(np.nan_to_num(counts.alike(line).alike, nan=-1.0), np.ones((3, 3)))
-                for _, line in lines(turned, along, down=True)
-            ]
-        )
+        shifts = [counts.alike(line).alike for _, line in lines(turned, along, down=True)]
+        alike.append([cv2.dilate(np.nan_to_num(a, nan=-1.0), np.ones((3, 3))) for a in shifts])
     scores = np.max(
         [
             np.minimum(_repeats(a, columns - first, slant), _repeats(b, columns - second, slant))
-            for a, b in zip(*pairs, strict=True)
+            for a, b in zip(*alike, strict=True)
         ],
         axis=0,
     )
     periods = 2 * _WIDTHS[:, None] * _RATIOS * np.sin(np.radians(slant))
-    scores = np.where(np.abs(np.log(periods / period)) <= ZIGZAG.same_period, scores, -2.0)
+    scores = np.where(np.abs(np.log(periods / found.period_m)) <= ZIGZAG.same_period, scores, -2.0)
     if scores.max() == -2.0:
         return None
-    return Slants(view, columns % 180.0, slant, clear, scores)
+    return Slants(view, columns % 180.0, slant, found.clear, scores)
 
 
-def _alternating(
-    contrast: np.ndarray, valid: np.ndarray
-) -> tuple[float, float, float, tuple[float, float]]:
-    """Return how clearly lines slant to one side and the other, by columns.
+@dataclass(frozen=True)
+class _Columns:
+    """Columns in which lines slant to one side and the other."""
 
-    And the direction of the columns, degrees, after how many metres across they come again, and
-    the directions of the lines. The columns are a wave of the lines' direction (structure tensor),
-    the only one: a basket's are waves both ways, and lines of tiles are not of all the floor.
+    clear: float  #: how clearly, 0..0.64
+    angle_deg: float  #: of the columns
+    period_m: float  #: across them, after which they come again
+    ways_deg: tuple[float, float]  #: directions of the lines
+
+
+#: Each so many pixels the direction of lines is looked at.
+_EACH_PX = 4
+
+
+def _line_tensor(contrast: np.ndarray, valid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the direction of lines (h, w) complex at each of `_EACH_PX` pixels, and what is seen.
+
+    The structure tensor of the gradient: twice its angle, and at most 1 where all lines agree.
     """
-    step = 4
     smooth = cv2.GaussianBlur(contrast, (0, 0), JOINTS.line_px)
     gx, gy = cv2.Sobel(smooth, cv2.CV_32F, 1, 0), cv2.Sobel(smooth, cv2.CV_32F, 0, 1)
     seen = cv2.erode(valid.astype(np.uint8), np.ones((7, 7), np.uint8)).astype(np.float32)
@@ -187,42 +192,47 @@ def _alternating(
     energy, real, imaginary = (
         cv2.blur(part * seen, (side, side)) for part in (gx**2 + gy**2, gx**2 - gy**2, 2 * gx * gy)
     )
-    least = ZIGZAG.coherent * float(energy[seen > 0].mean()) if seen.any() else 1.0
-    tensor = ((real + 1j * imaginary) / (energy + max(least, 1e-9)) * seen)[::step, ::step]
-    weight = seen[::step, ::step]
-    rows, columns = np.nonzero(weight)
+    usual = float((energy * seen).sum() / max(float(seen.sum()), 1.0))
+    tensor = (real + 1j * imaginary) / (energy + max(ZIGZAG.coherent * usual, 1e-9)) * seen
+    return tensor[::_EACH_PX, ::_EACH_PX], seen[::_EACH_PX, ::_EACH_PX]
+
+
+def _alternating(contrast: np.ndarray, valid: np.ndarray) -> _Columns | None:
+    """Return the columns of a view; None where too little is seen.
+
+    They are a wave of the lines' direction, and the only one: a basket's are waves both ways, and
+    a brick's lines run one way nearly all over the floor.
+    """
+    tensor, seen = _line_tensor(contrast, valid)
+    rows, columns = np.nonzero(seen)
     if len(rows) < 100:
-        return 0.0, 0.0, 0.0, (0.0, 0.0)
-    mean = tensor.sum() / weight.sum()
-    tensor = tensor - mean * weight
-    scale = JOINTS.px_per_m / step
+        return None
+    mean = tensor.sum() / seen.sum()
+    scale = JOINTS.px_per_m / _EACH_PX
     y, x = (np.arange(n) / scale for n in tensor.shape)
-    turns = np.radians(np.arange(0.0, 360.0, 3.0))[:, None]  # across columns at _ANGLES, both ways
+    angles, half = np.radians(_ANGLES), len(_ANGLES)
+    turns = np.concatenate([angles, angles + np.pi])[:, None] + np.pi / 2  # across, both ways
     waves_x, waves_y = (2 * np.pi * f(turns) / _PERIODS for f in (np.cos, np.sin))
-    part = np.exp(-1j * waves_x.ravel()[:, None] * x) @ tensor.T
-    whole = (part * np.exp(-1j * waves_y.ravel()[:, None] * y)).sum(axis=1)
-    spectrum = np.roll(whole.reshape(len(turns), -1) / weight.sum(), -30, axis=0)
-    turned = np.exp(-2j * np.radians(_ANGLES))[:, None]
-    half = len(_ANGLES)
-    sideways = (spectrum[:half] * turned - np.conj(spectrum[half:] * turned)) / 2j
-    for at, turn in enumerate(np.radians(_ANGLES)):
-        extent = np.ptp(rows * np.cos(turn) - columns * np.sin(turn)) / scale
-        sideways[at, ZIGZAG.of_extent * extent < _PERIODS] = 0.0
+    part = np.exp(-1j * waves_x.ravel()[:, None] * x) @ (tensor - mean * seen).T
+    whole = (part * np.exp(-1j * waves_y.ravel()[:, None] * y)).sum(axis=1) / seen.sum()
+    there, back = whole.reshape(2, half, -1)
+    turned = np.exp(-2j * angles)[:, None]
+    sideways = (there * turned - np.conj(back * turned)) / 2j
+    across_m = (np.cos(angles)[:, None] * rows - np.sin(angles)[:, None] * columns) / scale
+    extent = np.ptp(across_m, axis=1)
+    sideways[ZIGZAG.of_extent * extent[:, None] < _PERIODS] = 0.0
     strength = np.abs(sideways)
     near = maximum_filter(strength, (5, 5), mode=("wrap", "nearest"))  # photos shear a little
     one_way = strength - np.roll(near, half // 2, axis=0)
     k, j = divmod(int(one_way.argmax()), one_way.shape[1])
-    constant = 0.5 * abs((mean * turned[k, 0]).imag)
-    angle, period = float(_ANGLES[k]), float(_PERIODS[j])
-    across_m = (rows * np.cos(np.radians(angle)) - columns * np.sin(np.radians(angle))) / scale
-    wave = np.cos(2 * np.pi * across_m / period + np.angle(sideways[k, j]))
-    values = tensor[rows, columns] + mean
-    ways = [
-        float(np.degrees(np.angle((values * np.maximum(sign * wave, 0.0)).sum())) / 2 + 90.0)
+    wave = np.cos(2 * np.pi * across_m[k] / _PERIODS[j] + np.angle(sideways[k, j]))
+    first, second = (
+        float(np.degrees(np.angle(tensor[rows, columns] @ np.maximum(sign * wave, 0.0))) / 2 + 90.0)
         for sign in (1.0, -1.0)
-    ]
+    )
+    constant = 0.5 * abs((mean * turned[k, 0]).imag)
     clear = float(min(one_way[k, j], strength[k, j] - constant))
-    return clear, angle, period, (ways[0], ways[1])
+    return _Columns(clear, float(_ANGLES[k]), float(_PERIODS[j]), (first, second))
 
 
 def _repeats(alike: np.ndarray, columns_deg: float, slant_deg: float) -> np.ndarray:
