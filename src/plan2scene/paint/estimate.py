@@ -310,4 +310,8 @@ class _Problem:
         odd = np.where(tailed, (prior.freedom + 3) * np.log1p(odd / prior.freedom), odd)
         value -= 0.5 * odd.sum() + np.log(spread).sum()
         value += self.chance[sort, everywhere].sum()
+        # Wood may have many tones, so that each alone is unlikely: it is told from white by all of
+        # them (Laplace's approximation: MacKay 1992, DOI 10.1162/neco.1992.4.3.415).
+        doors = paints[self.kind == KINDS.index("door")]
+        value -= 0.5 * np.linalg.slogdet(left[doors, :, doors])[1].sum()
         return _Solution(float(value), terms, sort, trust)

@@ -159,6 +159,22 @@ def test_what_is_seen_within_a_room_takes_no_colour_from_another(tmp_path, seen,
 
 
 @pytest.mark.parametrize(
+    ("leaf", "white"),
+    [((0.2, 0.12, 0.06), False), ((0.3, 0.29, 0.28), True), ((0.45, 0.3, 0.2), True)],
+    ids=["oak", "white in the shade", "a warm reflection"],
+)
+def test_few_pixels_tell_an_oak_leaf_where_one_photo_washes_it_out(leaf, white):
+    door, photos = SurfaceKey("hole_0", "door"), ("1", "2")
+    lights = {photo: (GREY, "a") for photo in photos}
+    leaves = [
+        Observation(photo, door, True, 0.003, tuple(np.array(colour) * GREY))
+        for photo, colour in zip(photos, (leaf, (0.5, 0.45, 0.4)), strict=True)
+    ]
+    estimate = estimate_paint(observed(room("a", (WHITE,) * 3), lights) + leaves)
+    assert (door in estimate.white) == white
+
+
+@pytest.mark.parametrize(
     ("frame", "trim"), [((150, 100, 60), True), ((230, 228, 224), False), ((60, 90, 150), False)]
 )
 def test_trim_is_of_wood_where_frames_of_windows_are(tmp_path, frame, trim):
