@@ -113,7 +113,7 @@ def test_a_grey_carpet_is_no_blue_one_below_ceilings_that_panelled_walls_tint():
 
 def test_a_ceiling_that_only_teal_walls_light_is_white():
     teal = np.array((0.03, 0.12, 0.13))
-    paints = room("a", teal, ceiling=WHITE * (teal / teal[1]) ** 0.5) | room("b", (WHITE,) * 3)
+    paints = room("a", teal, ceiling=WHITE * (teal / teal[1]) ** 0.6) | room("b", (WHITE,) * 3)
     shown, _ = joined(observed(paints, {"1": (GREY, "a"), "2": (GREY, "b")}), {})
     assert SurfaceKey("a", "ceiling") in estimate_paint(shown).white
     assert (
@@ -167,7 +167,7 @@ def test_few_pixels_tell_an_oak_leaf_where_one_photo_washes_it_out(leaf, white):
     door, photos = SurfaceKey("hole_0", "door"), ("1", "2")
     lights = {photo: (GREY, "a") for photo in photos}
     leaves = [
-        Observation(photo, door, True, 0.003, tuple(np.array(colour) * GREY))
+        Observation(photo, door, True, 0.001, tuple(np.array(colour) * GREY))
         for photo, colour in zip(photos, (leaf, (0.5, 0.45, 0.4)), strict=True)
     ]
     estimate = estimate_paint(observed(room("a", (WHITE,) * 3), lights) + leaves)
