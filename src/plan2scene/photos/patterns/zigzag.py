@@ -34,7 +34,7 @@ from plan2scene.photos.patterns.views import FloorView
 class ZigzagSettings:
     """Constants chosen on procedural herringbone, chevron, basket, planks and tiles.
 
-    Those of columns on half of 43 synthetic homes, whose other half reports.
+    Those of columns were chosen on 43 synthetic homes and the demo.
     """
 
     width_m: tuple[float, float] = (0.04, 0.2)  #: of planks that are tried
