@@ -4,10 +4,10 @@ import numpy as np
 from box_room import DOOR_EYE as EYE
 from box_room import WIDE, open_door_view
 
-from plan2scene.photos.labels.palette import DOOR, OTHER
+from plan2scene.photos.labels.palette import DOOR, IGNORE, OTHER
 from plan2scene.photos.locate.plan_view import room_shapes
 from plan2scene.photos.locate.seen_doors import seen_doors
-from plan2scene.photos.locate.seen_planes import seen_planes
+from plan2scene.photos.locate.seen_planes import seen_planes, shows_its_room
 
 
 def test_every_pixel_lies_on_its_plane_and_in_its_room():
@@ -33,6 +33,15 @@ def test_a_pose_that_contradicts_the_mask_has_no_planes():
     house, pose, labels, _ = open_door_view()
     upside_down = labels[::-1].copy()
     assert seen_planes(upside_down, pose, room_shapes(house)) == []
+
+
+def test_a_photo_shows_the_room_that_it_was_taken_in():
+    house, pose, labels, ends = open_door_view()
+    shapes = room_shapes(house)
+    assert shows_its_room(labels, pose, shapes)
+    behind = np.where(ends[..., 0] > WIDE + 0.05, labels, IGNORE).astype(np.uint8)
+    assert seen_planes(behind, pose, shapes)
+    assert not shows_its_room(behind, pose, shapes)
 
 
 def test_planes_of_the_own_room_name_their_walls():

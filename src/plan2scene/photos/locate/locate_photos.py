@@ -33,6 +33,7 @@ from plan2scene.photos.locate.locate_settings import LOCATE, Grid
 from plan2scene.photos.locate.plan_view import room_shapes
 from plan2scene.photos.locate.pose import Pose, pose_to_json, turned
 from plan2scene.photos.locate.search import HeightPrior, Hypothesis, RoomSearch, View
+from plan2scene.photos.locate.seen_planes import shows_its_room
 from plan2scene.photos.locate.spots import SameSpot, Spot, spots_of
 from plan2scene.photos.locate.which_room import (
     NOWHERE,
@@ -136,7 +137,10 @@ def locate_shots(
         for name, quarters in spot.quarters.items():
             sure = rooms[name][best.room_id] if name in rooms else 1.0
             camera = turned(shots[name].camera, best.turn + quarters * np.pi / 2)
-            poses[name] = Pose(best.room_id, best.position, camera, sure * found)
+            pose = Pose(best.room_id, best.position, camera, sure * found)
+            if pose.believed and not shows_its_room(shots[name].labels, pose, shapes):
+                pose = replace(pose, located=0.0)
+            poses[name] = pose
     return Located(poses, rooms)
 
 

@@ -70,6 +70,17 @@ def seen_planes(
     return planes_of_photo if explained >= LOCATE.min_explained * surfaces else []
 
 
+def shows_its_room(labels: np.ndarray, pose: Pose, shapes: Mapping[str, RoomShape]) -> bool:
+    """Return whether a photo of labels (h, w) uint8 shows the room that its pose stands in.
+
+    Labels that contradict the pose (no plane) do not tell.
+    """
+    found = seen_planes(labels, pose, shapes)
+    sizes = np.array([item.plane.mask.sum() for item in found])
+    own = np.array([item.own for item in found], dtype=bool)
+    return bool(sizes[own].sum() >= LOCATE.min_own * sizes.sum())
+
+
 def _flat_owners(
     surface: str, pose: Pose, shapes: Mapping[str, RoomShape], sight: Sight, slope: np.ndarray
 ) -> Iterator[tuple[str, Plane, np.ndarray]]:
