@@ -19,7 +19,7 @@ import torch
 from torch import Tensor
 
 from plan2scene.colour import delta_e_2000, rgb_to_lab
-from plan2scene.house import SURFACES
+from plan2scene.house import OPEN_AIR, ROOM_TYPES, SURFACES
 from plan2scene.paint.light import expected_colours
 from plan2scene.paint.observations import HouseColours
 from plan2scene.propagation.graph import HouseGraph, doors_between
@@ -38,6 +38,9 @@ class PredictorSettings:
     prior_odds: float = 2.0
     #: Sum of errors (CIEDE2000) that makes one e times likelier than the other.
     error_scale: float = 10.0
+    # Which floor an unseen one is like. Set by hand.
+    other_use: float = 0.2  #: weight of a floor in a room of another use; of the same use: 1
+    a_door: float = 0.5  #: weight of a floor one more door away
 
 
 _S = PredictorSettings()
@@ -196,12 +199,54 @@ def by_house(
     embedding = share * network_says.embedding + (1.0 - share) * house_says
     embedding = embedding.astype(np.float32)
     usual = room_type_mean(graph, means)[..., -3:]
-    return Prediction(
-        embedding,
-        confidence.astype(np.float32),
-        nearest_rooms(graph, embedding),
-        None if photo_colours is None else expected_colours(photo_colours, usual),
-    )
+    seen = None if photo_colours is None else expected_colours(photo_colours, usual)
+    alike = nearest_rooms(graph, embedding)
+    floor = SURFACES.index("floor")
+    kin = kindred_floors(graph)
+    like, own = graph.embeddings[kin, floor], np.flatnonzero(kin >= 0)
+    if seen is not None:
+        like[:, _COLOUR:] = seen[kin, floor]
+    embedding[own, floor], alike[own, floor] = like[own], kin[own]
+    return Prediction(embedding, confidence.astype(np.float32), alike, seen)
+
+
+def kindred_floors(graph: HouseGraph) -> np.ndarray:
+    """Return the row (n,) of the room whose observed floor each room's floor is likeliest, or -1.
+
+    A house has few floors, and their mean is none of them: rooms vote for floors of their colour,
+    those of the same use and those near with more weight. Wet rooms and those in the open air are
+    like their own kind alone.
+    """
+    floor = SURFACES.index("floor")
+    uses = room_uses(graph)
+    doors = doors_between(len(uses), graph.edges)
+    doors[~np.isfinite(doors)] = len(uses)
+    same = np.array([[not a.isdisjoint(b) for b in uses] for a in uses])
+    apart = np.array([a.isdisjoint(_OF_THEIR_OWN) for a in uses])
+    votes = np.where(same, 1.0, _S.other_use * (apart[:, None] & apart)) * _S.a_door**doors
+    votes *= graph.observed[:, floor]
+    np.fill_diagonal(votes, 0.0)
+    colours = graph.embeddings[:, floor]
+    gaps = np.array([[_apart(a, b) for b in colours] for a in colours])
+    scores = np.where(votes > 0.0, votes @ np.exp(-gaps / _S.error_scale), 0.0)
+    return np.where(scores.max(axis=1) > 0.0, scores.argmax(axis=1), -1)
+
+
+#: What rooms are used for, by type; all others are lived in.
+_USES = {"Bedroom": "sleep", "Kitchen": "cook", "Bathroom": "wash"}
+_USES |= dict.fromkeys(OPEN_AIR, "open air")
+_OF_THEIR_OWN = {"wash", "open air"}
+
+
+def room_uses(graph: HouseGraph) -> list[set[str]]:
+    """Return what each room is used for; a closet goes with the rooms that it opens into."""
+    named = [{_USES.get(ROOM_TYPES[t], "live") for t in np.flatnonzero(row)} for row in graph.types]
+    closets = np.flatnonzero(graph.types[:, ROOM_TYPES.index("Closet")])
+    source, target = graph.edges
+    beside = {i: [named[j] for j in target[source == i] if j not in closets] for i in closets}
+    for i, rooms in beside.items():
+        named[i] = set().union(*rooms) - _OF_THEIR_OWN
+    return [uses or {"live"} for uses in named]
 
 
 def network_share(

@@ -11,7 +11,13 @@ from plan2scene.paint.observations import HouseColours
 from plan2scene.propagation import predictors
 from plan2scene.propagation.graph import HouseGraph
 from plan2scene.propagation.graph_networks import PropagationNetwork
-from plan2scene.propagation.predictors import PREDICTORS, Prediction, house_evidence, network_share
+from plan2scene.propagation.predictors import (
+    PREDICTORS,
+    Prediction,
+    house_evidence,
+    kindred_floors,
+    network_share,
+)
 from plan2scene.propagation.type_means import TypeMeans
 
 ROOMS = 5
@@ -103,3 +109,56 @@ def test_every_predictor_predicts_every_surface(name):
     assert found.embedding.shape == (ROOMS, 3, 11)
     assert found.confidence.shape == found.alike.shape == (ROOMS, 3)
     assert ((found.embedding[..., -3:] >= 0) & (found.embedding[..., -3:] <= 1)).all()
+
+
+def floors(types: str, doors: str, shown: dict[int, float]) -> list[int]:
+    """Return the kindred floor of each room; `shown` are grey values of observed floors."""
+    names = {"L": "Reception", "B": "Bedroom", "K": "Kitchen", "W": "Bathroom", "C": "Closet"}
+    names |= {"T": "Terrace", "H": "Corridor"}
+    multi_hot = np.zeros((len(types), len(ROOM_TYPES)), np.float32)
+    values = np.zeros((len(types), 3, 11), np.float32)
+    seen = np.zeros((len(types), 3), bool)
+    for k, letter in enumerate(types):
+        multi_hot[k, ROOM_TYPES.index(names[letter])] = 1.0
+    for k, grey in shown.items():
+        values[k, 0, -3:], seen[k, 0] = grey, True
+    pairs = [(int(a), int(b)) for a, b in doors.split()]
+    edges = np.array([*pairs, *((b, a) for a, b in pairs)]).reshape(-1, 2).T
+    ids = tuple(map(str, range(len(types))))
+    return kindred_floors(HouseGraph(ids, multi_hot, edges, values, seen)).tolist()
+
+
+def test_an_unseen_bedroom_has_the_floor_of_the_bedrooms():
+    # A hall joins a stone living room, three bedrooms (two carpeted) and a bathroom.
+    found = floors("HLBBBW", "01 02 03 04 05", {1: 0.8, 2: 0.4, 3: 0.42})
+    assert found[4] in (2, 3)
+    assert found[5] == -1  # no bathroom's floor is seen
+
+
+def test_a_bathroom_has_the_floor_of_another_one_and_the_open_air_its_own():
+    found = floors("HLWWT", "01 02 03 14", {1: 0.4, 2: 0.9})
+    assert found[3] == 2
+    assert found[4] == -1
+    assert found[0] == 1
+
+
+def test_a_closet_goes_on_with_the_room_that_it_opens_into():
+    found = floors("HLBBC", "01 02 03 34", {1: 0.8, 2: 0.4})
+    assert found[3] == found[4] == 2
+
+
+def test_a_hall_among_bedrooms_is_like_most_of_them():
+    found = floors("HBBBL", "01 02 03", {1: 0.4, 2: 0.42, 3: 0.8, 4: 0.8})
+    assert found[0] in (1, 2)
+
+
+def test_the_house_predictor_copies_a_kindred_floor():
+    graph = alike()
+    graph.types[:] = 0.0
+    graph.types[:, ROOM_TYPES.index("Bedroom")] = 1.0
+    graph.embeddings[:4, 0, :8] = np.arange(4)[:, None]
+    graph.observed[4, 0] = False
+    graph.embeddings[4] = 0.0
+    found = PREDICTORS["house"](graph, stubborn(0.5), MEANS, None)
+    like = found.alike[4, 0]
+    assert found.embedding[4, 0] == pytest.approx(graph.embeddings[like, 0])
