@@ -47,6 +47,9 @@ _KNEE = 0.88
 #: relief: .006 to .027 on plain walls of real and synthetic homes (development), .03 to .06 on
 #: tiles, wallpaper and rough ceilings.
 FAINT = 0.028
+#: Patterns of white walls that are stronger are blinds, pictures, a splashback: .18 and .20 in a
+#: real listing (development); tiles and curtains have .06 at most.
+LOUD = 0.12
 PATTERNED = ("tile", "wood")  #: Substances whose patterns are no stains
 _BLACK = 1e-3  #: Least linear value of a texture's median
 #: What balconies, terraces and yards have where no photo shows them, since carpets and wallpapers
@@ -184,23 +187,27 @@ def _plain_tiles(
     white: Collection[SurfaceKey],
     unseen: Collection[SurfaceKey],
 ) -> dict[SurfaceKey, _Tile]:
-    """Return the tiles of plain white walls and ceilings; an `unseen` one is always plain."""
+    """Return the tiles of plain white walls and ceilings.
+
+    An `unseen` one is always plain, and one whose crops show things.
+    """
     made = {}
     for key in sorted(tiles.keys() & set(white)):
-        substance = entries[key].get("substance")
-        patterned = substance in PATTERNED and key not in unseen
-        if key.kind in ("wall", "ceiling") and not patterned:
+        if key.kind in ("wall", "ceiling"):
             image, size_m = tiles[key], float(entries[key]["size_m"])
             colour = gains[key] * srgb_to_linear(median_colour(image))
             image, pattern = plain(image, colour, len(image) / size_m)
-            made[key] = _Tile(image, size_m, substance, pattern)
+            made[key] = _Tile(image, size_m, entries[key].get("substance"), pattern)
+    handed_on = {key for key, tile in made.items() if key in unseen or tile.pattern > LOUD}
     plainest: dict[str, _Tile] = {}
     for key, tile in sorted(made.items(), key=lambda item: item[1].pattern):
-        if key not in unseen:
+        if key not in handed_on and tile.substance not in PATTERNED:
             plainest.setdefault(key.surface, tile)
-    handed_on = {k: plainest.get(k.surface, t) for k, t in made.items() if k in unseen}
-    faint = {key: tile for key, tile in made.items() if tile.pattern < FAINT}
-    return {key: tile for key, tile in handed_on.items() if key not in faint} | faint
+    return {
+        key: tile if tile.pattern < FAINT else plainest.get(key.surface, tile)
+        for key, tile in made.items()
+        if key in handed_on or (tile.pattern < FAINT and tile.substance not in PATTERNED)
+    }
 
 
 def _open_air_tiles(

@@ -38,6 +38,7 @@ def paint(tmp_path):
         plane("1.jpg", "a", "floor", (0.1, 0.06, 0.04)),
         plane("1.jpg", "a", "wall", 0.82 * light),
         plane("1.jpg", "a", "ceiling", 0.8 * light),
+        plane("1.jpg", "d", "wall", 0.81 * light),
         plane("2.jpg", "b", "wall", np.array([0.15, 0.3, 0.6]) * light),
         plane("2.jpg", "b", "ceiling", 0.82 * light),
         plane("2.jpg", "b", "frame", np.array([0.3, 0.14, 0.05]) * light),
@@ -118,6 +119,21 @@ def test_white_paint_is_one_colour_and_takes_no_pattern_of_another_room(paint, t
     assert np.array_equal(read_image(tmp_path / "out" / "c_wall.png"), white)
     assert read_json(tmp_path / "out" / "maps.json")["surfaces"] == {}
     assert read_json(tmp_path / "out" / "textures.json")["surfaces"]["c/wall"]["size_m"] == 1.0
+
+
+def test_blinds_and_pictures_on_a_white_wall_are_no_pattern_of_it(paint, tmp_path):
+    rng = np.random.default_rng(0)
+    calm, tiles = (130 + rng.normal(0.0, 1.2, (64, 64, 3)) for _ in range(2))
+    blinds = np.kron(rng.choice([60.0, 200.0], (8, 1, 1)), np.ones((8, 64, 3)))
+    tiles[::16] = 115.0
+    names = {"a/wall": blinds, "d/wall": calm, "a/ceiling": tiles}
+    images = {name: np.uint8(image) for name, image in names.items()}
+    folder = textures_of(tmp_path / "t", images, **{"a/wall": {"substance": "tile"}})
+    paint_textures(folder, paint, tmp_path / "out")
+    walls = [read_image(tmp_path / "out" / f"{room}_wall.png") for room in "ad"]
+    assert np.array_equal(*walls)
+    painted = read_image(tmp_path / "out" / "a_ceiling.png").astype(int)
+    assert painted[::16].mean() < painted.mean() - 10  # fainter joints stay
 
 
 def test_unseen_surfaces_follow_the_house():
