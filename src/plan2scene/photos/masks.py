@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+import cv2
 import numpy as np
 
 from plan2scene.camera import Camera, focal_of
@@ -29,6 +30,7 @@ from plan2scene.photos.labels.palette import (
     FLOOR,
     KINDS_FILE,
     MATCHES_FILE,
+    OTHER,
     PROBABILITIES,
     SPOTS_FILE,
     read_label_png,
@@ -36,6 +38,7 @@ from plan2scene.photos.labels.palette import (
     write_label_png,
     write_probability_png,
 )
+from plan2scene.photos.labels.watermark import reduced, watermarks
 from plan2scene.photos.matches import SPOTS, Points, find_points, match_photos, same_spot
 from plan2scene.photos.photo_files import read_photo
 
@@ -93,6 +96,7 @@ def make_masks(
                     if shot is not None:
                         shots[name] = shot
         _log.info("%d photos labelled, %d left out", len(shots), len(photos) - len(shots))
+        _leave_out_marks(shots, folder)
         cameras = _cameras(shots, folder, fov_deg)
         write_json(folder / "cameras.json", {name: c.to_json() for name, c in cameras.items()})
         kinds = {name: shot.kinds for name, shot in shots.items() if shot.kinds}
@@ -117,6 +121,20 @@ class _Shot:
     kinds: list[float]  #: how probable each of `palette.KINDS` is; none where nothing tells it
     points: Points | None  #: that tell its room; none where that is known
     spot_points: Points  #: that tell with which other photos it shares its spot
+    grey: np.ndarray  #: of `watermark.reduced`
+
+
+def _leave_out_marks(shots: Mapping[str, _Shot], folder: Path) -> None:
+    """Label what is printed over the photos as other: it is on no floor or wall."""
+    marks = watermarks({name: shot.grey for name, shot in shots.items()})
+    for name, mark in marks.items():
+        path = folder / f"{Path(name).stem}.png"
+        labels = read_label_png(path, openings=True)
+        size = labels.shape[::-1]
+        labels[cv2.resize(mark.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0] = OTHER
+        write_label_png(path, labels)
+    if marks:
+        _log.info("%d photos with a watermark, which is left out", len(marks))
 
 
 def _cameras(shots: Mapping[str, _Shot], folder: Path, fov_deg: float) -> dict[str, Camera]:
@@ -173,7 +191,8 @@ def _label_photo(
         kinds = []  # a conservatory, not a garden
     points = find_points(image) if find_rooms else None
     spot = find_points(image, SPOTS)
-    return _Shot(camera, segments, exif, [round(p, 4) for p in kinds], points, spot), lines
+    told = [round(p, 4) for p in kinds]
+    return _Shot(camera, segments, exif, told, points, spot, reduced(image)), lines
 
 
 def _focal_warnings(camera: Camera, exif: ExifFocal) -> list[str]:

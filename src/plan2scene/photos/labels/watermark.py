@@ -1,0 +1,93 @@
+"""What an agent prints over photos: edges that all photos of one size have at the same pixels."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from scipy.stats import binom
+
+
+@dataclass(frozen=True)
+class WatermarkSettings:
+    """Constants. Source: set by hand on one real listing (development)."""
+
+    side_px: int = 640  #: longer side that photos are reduced to, pixels
+    photos: int = 5  #: fewer photos of a size tell nothing
+    edge: float = 2.5  #: least slope of an edge, grey levels per pixel
+    agree: float = 0.75  #: share of the photos that have an edge of one direction there
+    #: How often that is chance at a pixel, and how often one photo's edge agrees by chance.
+    chance: float = 2e-5
+    one_agrees: float = 0.1
+    direction: float = 0.7  #: least cosine between their slopes
+    #: Pixels by which edges are joined to one mark, and by which it is wider than they are.
+    joined_px: int = 9
+    margin_px: int = 3
+    least_px: int = 40  #: smaller pieces are chance
+    most: float = 0.1  #: share of the photo above which photos are of one view, not marked
+
+
+WATERMARK = WatermarkSettings()
+
+
+def reduced(image: np.ndarray) -> np.ndarray:
+    """Return the grey copy (h', w') uint8 of a (h, w, 3) uint8 sRGB photo that tells its mark."""
+    zoom = min(1.0, WATERMARK.side_px / max(image.shape[:2]))
+    grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
+    return cv2.resize(grey, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA)
+
+
+def watermarks(photos: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return where the photos are marked, (h', w') bool each; those without a mark are left out.
+
+    `photos` are of :func:`reduced`.
+    """
+    by_size: dict[tuple[int, ...], list[str]] = {}
+    for name, grey in photos.items():
+        by_size.setdefault(grey.shape, []).append(name)
+    found: dict[str, np.ndarray] = {}
+    for names in by_size.values():
+        mark = shared_mark([photos[name] for name in names])
+        if mark.any():
+            found |= dict.fromkeys(names, mark)
+    return found
+
+
+def shared_mark(photos: Sequence[np.ndarray]) -> np.ndarray:
+    """Return the pixels (h, w) bool of a mark over all of some photos (h, w) uint8, grey.
+
+    The median slope over the photos is that of what all share: Dekel et al. 2017,
+    DOI 10.1109/CVPR.2017.726. Nothing of few photos, and of photos of one view.
+    """
+    nothing = np.zeros(photos[0].shape, dtype=bool)
+    if len(photos) < WATERMARK.photos:
+        return nothing
+    slopes = np.stack([_slope(photo) for photo in photos])
+    usual = np.median(slopes, axis=0)
+    steep = np.hypot(*usual)
+    along = (slopes * usual).sum(axis=1)
+    agree = along > WATERMARK.direction * np.hypot(slopes[:, 0], slopes[:, 1]) * steep
+    agree &= along > 0.25 * steep**2
+    least = max(
+        WATERMARK.agree * len(photos),
+        1 + binom.isf(WATERMARK.chance, len(photos), WATERMARK.one_agrees),
+    )
+    edges = (steep > WATERMARK.edge) & (agree.sum(axis=0) >= least)
+    joined = cv2.morphologyEx(edges.astype(np.uint8), cv2.MORPH_CLOSE, _disc(WATERMARK.joined_px))
+    _, pieces, stats, _ = cv2.connectedComponentsWithStats(joined)
+    large = stats[:, cv2.CC_STAT_AREA] >= WATERMARK.least_px
+    large[0] = False
+    mark = cv2.dilate(large[pieces].astype(np.uint8), _disc(2 * WATERMARK.margin_px + 1)) > 0
+    return nothing if mark.mean() > WATERMARK.most else mark
+
+
+def _slope(grey: np.ndarray) -> np.ndarray:
+    """Return the slope (2, h, w) float32 of a slightly blurred picture, levels per pixel."""
+    calm = cv2.GaussianBlur(grey, (0, 0), 0.8)
+    return np.stack([cv2.Sobel(calm, cv2.CV_32F, dx, 1 - dx, scale=0.125) for dx in (1, 0)])
+
+
+def _disc(side: int) -> np.ndarray:
+    return cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (side, side))

@@ -1,0 +1,72 @@
+"""What is printed over all photos of a home is found, and labelled as no surface."""
+
+import cv2
+import numpy as np
+import pytest
+
+from plan2scene.images import write_png
+from plan2scene.photos.labels.labeller import labeller
+from plan2scene.photos.labels.palette import FLOOR, OTHER, read_label_png, write_label_png
+from plan2scene.photos.labels.watermark import reduced, shared_mark, watermarks
+from plan2scene.photos.masks import make_masks
+
+SIZE = (240, 360)
+
+
+def letters() -> np.ndarray:
+    image = np.zeros(SIZE, np.uint8)
+    cv2.putText(image, "AGENT", (200, 220), cv2.FONT_HERSHEY_SIMPLEX, 1.2, 255, 4)
+    return image > 0
+
+
+def rooms(count: int, *, marked: bool) -> list[np.ndarray]:
+    """Photos (h, w, 3) uint8 of boxes in many greys, with or without half transparent letters."""
+    rng = np.random.default_rng(3)
+    photos = []
+    for _ in range(count):
+        image = np.full((*SIZE, 3), rng.integers(60, 200), np.float64)
+        for _ in range(40):
+            x, y = rng.integers(0, SIZE[1]), rng.integers(0, SIZE[0])
+            w, h = rng.integers(10, 120, 2)
+            image[y : y + h, x : x + w] = rng.integers(20, 220, 3)
+        if marked:
+            image[letters()] = 0.5 * image[letters()] + 0.5 * 255
+        photos.append(np.uint8(image))
+    return photos
+
+
+@pytest.mark.parametrize("count", [5, 9, 20])
+def test_letters_over_all_photos_are_found(count):
+    mark = shared_mark([reduced(photo) for photo in rooms(count, marked=True)])
+    assert mark[letters()].mean() > 0.9
+    assert mark.mean() < 3 * letters().mean()
+
+
+@pytest.mark.parametrize("count", [5, 6, 9, 20])
+def test_photos_without_a_mark_have_none(count):
+    photos = {f"{k}.png": reduced(p) for k, p in enumerate(rooms(count, marked=False))}
+    assert watermarks(photos) == {}
+
+
+def test_few_photos_and_photos_of_one_view_tell_nothing():
+    marked = rooms(6, marked=True)
+    assert not shared_mark([reduced(photo) for photo in marked[:4]]).any()
+    assert not shared_mark([reduced(marked[0])] * 6).any()
+
+
+def test_a_mark_is_on_no_floor(tmp_path):
+    photos = {}
+    (tmp_path / "given").mkdir()
+    for k, photo in enumerate(rooms(6, marked=True)):
+        photos[f"{k}.png"] = tmp_path / f"{k}.png"
+        write_png(photos[f"{k}.png"], photo)
+        write_label_png(tmp_path / "given" / f"{k}.png", np.full(SIZE, FLOOR, np.uint8))
+    make_masks(
+        photos,
+        lambda: labeller("precomputed", precomputed_dir=tmp_path / "given"),
+        tmp_path / "masks",
+        house_id="h",
+    )
+    labels = read_label_png(tmp_path / "masks" / "3.png")
+    assert (labels[letters()] == OTHER).mean() > 0.9
+    assert (labels == FLOOR).mean() > 0.8
