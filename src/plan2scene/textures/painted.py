@@ -213,12 +213,14 @@ def _plain_tiles(
 def _open_air_tiles(
     tiles: Mapping[SurfaceKey, np.ndarray], entries: Mapping[SurfaceKey, Mapping[str, Any]]
 ) -> dict[SurfaceKey, _Tile]:
-    """Return tiles of the grain of others, in the colours of `OPEN_AIR`."""
+    """Return tiles in the colours of `OPEN_AIR`, of the grain of others where it is faint."""
     made = {}
     for key, tile in tiles.items():
         value, substance = OPEN_AIR[key.kind]
         size_m = float(entries[key]["size_m"])
         image, pattern = plain(tile, np.full(3, value), len(tile) / size_m)
+        if pattern > FAINT:  # joints, folds: not those of stone and render
+            image = np.full_like(image, as_uint8(linear_to_srgb(np.full(3, value))))
         made[key] = _Tile(image, size_m, substance, pattern)
     return made
 
