@@ -122,7 +122,7 @@ def find_pattern(
     slanting = _zigzag(views)
     if slanting is not None:
         return slanting
-    mosaic = _mosaic(views)
+    mosaic = _mosaic(views, (looks or FIND.usual_looks)[1])
     if mosaic is not None:
         return mosaic, []
     grainy = _grainy(views)
@@ -193,8 +193,11 @@ def _without_joints(views: Sequence[FloorView], jointed: float) -> float:
     return (1.0 - jointed) / (1.0 - jointed + jointed * missed)
 
 
-def _mosaic(views: Sequence[FloorView]) -> FoundPattern | None:
-    """Return the mosaic that views show; None where there is none."""
+def _mosaic(views: Sequence[FloorView], tiled: float) -> FoundPattern | None:
+    """Return the mosaic that views show; None where there is none.
+
+    `tiled` is how probably the floor is of tiles: carpets and parquet have small squares, too.
+    """
     weights = np.array([_area(view) for view in views])
     if _grainy(views):
         return None
@@ -202,7 +205,7 @@ def _mosaic(views: Sequence[FloorView]) -> FoundPattern | None:
     reach = 2 * round(100 * FIND.same_size) + 1
     pooled = weights @ maximum_filter1d(scores, reach, axis=1) / weights.sum()
     none, sure = FIND.mosaic
-    confidence = float(np.clip((pooled.max() - none) / (sure - none), 0.0, 1.0))
+    confidence = tiled * float(np.clip((pooled.max() - none) / (sure - none), 0.0, 1.0))
     if confidence < FIND.believed:
         return None
     # Lines of both directions part halfway: a diagonal scores twice as much as a side, and as much
