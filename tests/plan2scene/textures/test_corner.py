@@ -65,11 +65,16 @@ def test_completed_squares_go_on_tiled_surfaces_alone():
         for k, place in enumerate(places())
     ]
     facts = {"size_m": 0.5, "source": "", "confidence": 1.0, "naive_embedding": None}
-    facts["embedding"] = np.r_[np.zeros(8), [0.7, 0.65, 0.6]]
     kinds = {"bath": "plaster", "bed": "plaster", "shower": "tile"}
     surfaces = tuple(
-        KnownSurface(SurfaceKey(room, "wall"), room == "bath", substance=substance, **facts)
-        for room, substance in kinds.items()
+        KnownSurface(
+            SurfaceKey(room, "wall"),
+            room == "bath",
+            substance=substance,
+            embedding=np.r_[np.full(8, k), [0.7, 0.65, 0.6]],
+            **facts,
+        )
+        for k, (room, substance) in enumerate(kinds.items())
     )
     data = SimpleNamespace(exemplars={}, files=SimpleNamespace(house_id="h", patterns=None))
     settings = TextureSettings(seed=0, size_px=128)

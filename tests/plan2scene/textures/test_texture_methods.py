@@ -372,7 +372,8 @@ def test_an_exemplar_of_the_predicted_substance_goes_before_a_nearer_one(files):
     keys = [(row.room_id, row.surface) for row in table.itertuples()]
     tone = {("bed1", "floor"): 0.4, ("hall", "floor"): 0.55}
     table["embedding"] = [
-        np.r_[np.zeros(8), [tone.get(key, 0.56)] * 3].astype(np.float32) for key in keys
+        np.r_[np.full(8, 1e-4 * k), [tone.get(key, 0.56)] * 3].astype(np.float32)
+        for k, key in enumerate(keys)
     ]
     table["substance"] = ["tile" if key == ("hall", "floor") else "wood" for key in keys]
     write_parquet(files / "propagated.parquet", table, {"house": "h1"})
@@ -387,6 +388,12 @@ def test_an_exemplar_of_the_predicted_substance_goes_before_a_nearer_one(files):
     image = read_image(folder / "bed2_floor.png")
     assert median_colour(image) == pytest.approx(0.56, abs=0.01)
     assert wrap_ratio(image) < 1.5
+    # One that the prediction copies needs no substance.
+    table.at[keys.index(("bed2", "floor")), "embedding"] = table["embedding"][
+        keys.index(("hall", "floor"))
+    ]
+    write_parquet(files / "propagated.parquet", table, {"house": "h1"})
+    assert _make(files, "exemplar")[1]["bed2/floor"]["source"].startswith("exemplar of hall, ")
 
 
 def test_floors_without_joints_make_no_other_floor_tiled(files):

@@ -3,10 +3,11 @@
 Observed surfaces get a tile of their own crops; those that share a material of the house get one
 pattern of all its crops, each in its own colour. An unobserved one, and one whose crops do not have
 the colour of all of its pixels, gets the exemplar of the house that is nearest to its prediction
-(same kind of surface and substance, nearest embedding), since a house repeats its materials, in its
-own colour. Where none of the kind has the predicted substance, a procedural tile of it is made up.
-Large squares that were completed from one crop go on tiled surfaces alone; floors whose photos show
-no joints go on none. Only where the house shows none of the kind the predicted embedding is
+(the one that the prediction copies, else of the same kind of surface and substance, nearest
+embedding), since a house repeats its materials, in its own colour. Where none of the kind has the
+predicted substance, a procedural tile of it is made up. Large squares that were completed from one
+crop go on tiled surfaces alone; floors whose photos show no joints go on none, but for copies. Only
+where the house shows none of the kind the predicted embedding is
 decoded. Each tile's source says which way it was made.
 """
 
@@ -170,7 +171,8 @@ def _nearest(
         return NoTile(f"no exemplar of a {kind} in the house")
     code = _code(surface)
     tone = np.clip(code[-3:], 0.0, 1.0) if surface.tone is None else surface.tone
-    alike = [
+    copied = [key for key in pool if np.array_equal(_code(surfaces[key])[:-3], code[:-3])]
+    alike = copied or [
         key
         for key in pool
         if _substance(surfaces[key], own[key]) == surface.substance
