@@ -2,11 +2,11 @@
 
 A floor that runs on, walls of one paint, ceilings alike. The evidence is the surfaces' codes and
 their colours after light; rooms that no doors join are not compared. For floors the pattern counts
-more than the colour, which lamps change from room to room; for plain walls and ceilings the colour
-alone. The mean of few crops is uncertain: a difference of two means that chance explains does not
-count. Two walls that one photo each shows may look alike by chance, so few photos weaken the
-evidence. Surfaces are joined while the mean evidence of all pairs is positive (average linkage), so
-a doubtful one stays alone.
+more than the colour, which lamps change from room to room, and passages without a leaf count; for
+plain walls and ceilings the colour alone. The mean of few crops is uncertain: a difference of two
+means that chance explains does not count. Two walls that one photo each shows may look alike by
+chance, so few photos weaken the evidence. Surfaces are joined while the mean evidence of all pairs
+is positive (average linkage), so a doubtful one stays alone.
 """
 
 from __future__ import annotations
@@ -46,6 +46,9 @@ class MaterialSettings:
     #: What it takes from it that one photo alone shows each of the two; half of it with two photos
     #: each. Ceilings are white in most homes, floors are known by their pattern.
     one_photo: tuple[float, float, float] = (0.0, 0.12, 0.0)
+    #: Of floors that a passage without a leaf joins: 24 of 30 in synthetic homes run on through
+    #: one, 101 of 267 through a door; all of six in real homes do.
+    passage: float = 0.28
     scale: float = 0.15  #: evidence that makes one material e times likelier
 
 
@@ -91,9 +94,16 @@ def find_materials(
     """
     import pandas as pd
 
-    graph = house_graph(read_scene_json(scene_json, house), {})
+    plan = read_scene_json(scene_json, house)
+    graph = house_graph(plan, {})
     doors = np.isfinite(doors_between(len(graph.room_ids), graph.edges))
     place = {room: k for k, room in enumerate(graph.room_ids)}
+    open_ = np.zeros(doors.shape)
+    passages = {o.id for wall in plan.walls for o in wall.openings if o.kind == "passage"}
+    for door in plan.doors:
+        if door.opening_id in passages and door.room_a and door.room_b:
+            pair = place[door.room_a], place[door.room_b]
+            open_[pair] = open_[pair[::-1]] = 1.0
     gains = read_stage_json(light, "light")["gains"]
     crops, _ = read_parquet(embeddings)
     crops = crops[~crops["photo"].isin(set(hidden_photos))]
@@ -107,7 +117,10 @@ def find_materials(
             for row in table[table["surface"] == kind].itertuples()
         ]
         index = [place[item.room_id] for item in seen]
-        groups = grouped(pair_evidence(seen, kind, doors[np.ix_(index, index)]))
+        pairs = pair_evidence(seen, kind, doors[np.ix_(index, index)])
+        if kind == "floor":
+            pairs += EVIDENCE.passage * open_[np.ix_(index, index)]
+        groups = grouped(pairs)
         for number, (members, evidence) in enumerate(groups, start=1):
             rows += _rows_of([seen[k] for k in members], f"{kind}-{number}", kind, evidence)
     write_parquet(

@@ -1,5 +1,7 @@
 """Surfaces of different rooms that are one material."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -57,6 +59,22 @@ def test_a_floor_that_runs_on_is_one_material(shared_house, tmp_path):
     assert shared[SurfaceKey(rooms[0], "floor")] == "floor-1"
     assert table["colour"][0][0] == pytest.approx(0.25 * 0.5 + 0.75 * 0.481, abs=0.01)
     assert shared_materials(None) == {}
+
+
+@pytest.mark.parametrize(("kind", "materials"), [("passage", ["floor-1"] * 2), ("door", [])])
+def test_floors_run_on_through_passages(shared_house, tmp_path, kind, materials):
+    shared, *others = shared_house.walls
+    opening = replace(shared.openings[0], kind=kind)
+    plan = replace(shared_house, walls=(replace(shared, openings=(opening,)), *others))
+    write_scene_json(plan, tmp_path / "scene.json")
+    codes = [np.r_[np.full(8, k), [0.4] * 3].astype(np.float32) for k in (0.0, 1.0)]
+    rooms = [room.id for room in plan.rooms]
+    table = pd.DataFrame({"room_id": rooms, "surface": "floor", "embedding": codes})
+    table["n_crops"], table["photo"] = 1, "a.png"
+    for name in ("surfaces", "embeddings"):
+        write_parquet(tmp_path / f"{name}.parquet", table, {})
+    write_json(tmp_path / "light.json", {"gains": {}})
+    assert found(tmp_path)["material"].tolist() == materials
 
 
 def test_a_floor_is_known_by_all_of_its_crops(shared_house, tmp_path):

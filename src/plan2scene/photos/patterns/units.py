@@ -108,7 +108,7 @@ def _alike(cut: Sequence[np.ndarray]) -> list[np.ndarray]:
     slow = [cv2.GaussianBlur(image, (0, 0), sigma) for image in cut]
     flat = [image / np.maximum(light, 0.02) for image, light in zip(cut, slow, strict=True)]
     flat = [_calm(image) for image in flat]
-    tones = np.log([np.median(image, axis=(0, 1)) for image in cut])
+    tones = np.log([np.maximum(np.median(image, axis=(0, 1)), 1e-3) for image in cut])
     away = tones - np.median(tones, axis=0)
     usual = 1.5 * np.median(np.abs(away))
     tones = np.clip(away, -UNITS.tone * usual, UNITS.tone * usual)
