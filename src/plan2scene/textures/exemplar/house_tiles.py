@@ -5,9 +5,8 @@ pattern of all its crops, each in its own colour. An unobserved one, and one who
 the colour of all of its pixels, gets the exemplar of the house that is nearest to its prediction
 (the one that the prediction copies, else of the same kind of surface and substance, nearest
 embedding), since a house repeats its materials, in its own colour. Where none of the kind has the
-predicted substance, a procedural tile of it is made up. Large squares that were completed from one
-crop go on tiled surfaces alone; floors whose photos show no joints go on none, but for copies. Only
-where the house shows none of the kind the predicted embedding is
+predicted substance, a procedural tile of it is made up. Floors whose photos show no joints go on no
+tiled one but copies. Only where the house shows none of the kind the predicted embedding is
 decoded. Each tile's source says which way it was made.
 """
 
@@ -126,8 +125,6 @@ def exemplar_of(
     exemplar, names = made
     image = exemplar.image if tone is None else recoloured(exemplar.image, tone)
     source = f"exemplar of {len(names)} crops"
-    if exemplar.pattern.completed is not None:
-        source = "exemplar of 1 crop, its squares completed: no crop shows them whole"
     return Tile(image, exemplar.size_m, source, True, crops=names, pattern=exemplar.pattern)
 
 
@@ -175,14 +172,12 @@ def _nearest(
     alike = copied or [
         key
         for key in pool
-        if _substance(surfaces[key], own[key]) == surface.substance
+        if surfaces[key].substance == surface.substance
         and not (surface.substance == "tile" and key in jointless)
     ]
     if not alike and not surface.observed:
         return _usual_tile(inputs, surface, tone)
-    pool = alike or [key for key in pool if not _guessed(own[key])]
-    if not pool:
-        return NoTile(f"no exemplar of a {kind} in the house but completed squares")
+    pool = alike or pool
     distances = [np.abs(_code(surfaces[key]) - code).mean() for key in pool]
     nearest = pool[int(np.argmin(distances))]
     away = colour_difference(own[nearest].image, tone)
@@ -198,16 +193,6 @@ def _jointless(inputs: TextureInputs) -> set[SurfaceKey]:
     table, _ = read_parquet(file)
     plain = table[(table["kind"] == "plain") & (table["confidence"] > 0.5)]
     return {SurfaceKey(row.room_id, row.surface) for row in plain.itertuples()}
-
-
-def _guessed(tile: Tile) -> bool:
-    """Return whether the tile's squares were completed, so that its pattern is a guess."""
-    return tile.pattern is not None and tile.pattern.completed is not None
-
-
-def _substance(surface: KnownSurface, tile: Tile) -> str:
-    """Return the substance of an observed surface; completed squares mean tiles."""
-    return "tile" if _guessed(tile) else surface.substance
 
 
 def _code(surface: KnownSurface) -> np.ndarray:

@@ -9,15 +9,13 @@ tile of 256 px or more covers twice as many metres with the same detail and repe
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
 from plan2scene.colour import as_uint8, clipped_share, delta_e_2000, median_colour, rgb_to_lab
-from plan2scene.images import jpeg_bytes
 from plan2scene.paint.shading import consensus, flatten, highlights, log_luma, unrest
-from plan2scene.textures.exemplar.corner import completed
 from plan2scene.textures.exemplar.lattice import (
     CropLattice,
     Cut,
@@ -26,7 +24,6 @@ from plan2scene.textures.exemplar.lattice import (
     grains_of,
     one_way,
     straightened,
-    whole_periods,
 )
 from plan2scene.textures.exemplar.settings import EXEMPLAR
 from plan2scene.textures.exemplar.things import oddness, things
@@ -143,8 +140,6 @@ class Pattern:
     lattices: list[CropLattice]
     cut: Cut
     work_px: int  #: side of the torus that its tile is quilted on
-    #: what the only crop was made of, which showed no whole period
-    completed: ExemplarCrop | None = None
 
     def source(self, k: int, work: int) -> Source:
         """Return crop `k` straightened for a tile of `work` px that holds the cut."""
@@ -167,25 +162,10 @@ def find_surface(
     if not good:
         return None
     good = sharper(calm(alike(good, tone)))
-    pattern = _pattern(good, size_px, plain=plain)
-    turned = zip(pattern.crops, pattern.turned, strict=True)
-    images = [np.rot90(crop.image) if turn else crop.image for crop, turn in turned]
-    corner = completed(images, pattern.flat, pattern.lattices, pattern.order, pattern.sides)
-    if corner is None or not np.isfinite(pattern.size_m):
-        return pattern
-    own = pattern.crops[corner.crop]
-    size_m = corner.side * pattern.size_m
-    image = cv2.resize(corner.image, own.image.shape[1::-1], interpolation=cv2.INTER_AREA)
-    sharpness = own.sharpness * size_m / own.size_m
-    whole = ExemplarCrop(image, size_m, sharpness, jpeg_bytes(corner.image, quality=95))
-    pattern = _pattern([whole], size_px)
-    period = 2.0 / EXEMPLAR.squares
-    lattice = CropLattice(0.0, True, (period * image.shape[1],) * 2, (1.0, 1.0))
-    cut = Cut(*whole_periods((period * float(pattern.sides[0]),) * 2))
-    return replace(pattern, completed=own, lattices=[lattice], cut=cut)
+    return _pattern(good, size_px, plain=plain)
 
 
-def _pattern(good: Sequence[ExemplarCrop], size_px: int, *, plain: bool = False) -> Pattern:
+def _pattern(good: Sequence[ExemplarCrop], size_px: int, *, plain: bool) -> Pattern:
     """Return the pattern of good crops."""
     work = work_size(size_px, len(good))
     flat, masks, colour, faults = _evened(good)
@@ -228,7 +208,7 @@ def make_exemplar(
     if pattern is None:
         return None
     cut, best = pattern.cut, pattern.order[: EXEMPLAR.max_crops]
-    used = [pattern.completed] if pattern.completed else [pattern.crops[k] for k in best]
+    used = [pattern.crops[k] for k in best]
     sources = [pattern.source(k, pattern.work_px) for k in best]
     canvas = quilt(sources, pattern.work_px, (cut.columns, cut.rows))
     image = with_calm_border(as_uint8(toned(canvas.solve(), pattern.colour)))

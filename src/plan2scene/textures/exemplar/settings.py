@@ -55,17 +55,6 @@ class ExemplarSettings:
     alike_period: float = 0.3  #: the same where the scale is unknown
     odd_turn_deg: float = 12.0  #: from the usual turn; beyond it a crop's angle is not believed
     enough_periods: int = 3  #: crops of the agreed period; with so many the others are left out
-    # Corners: large squares of which no crop shows a whole one.
-    #: How much straighter than the rest a joint is both ways, in the median of the crops. Of the
-    #: demo's surfaces without a period large tiles have 3.1 to 4.3, all others less than 2.0.
-    straight: float = 2.5
-    second: float = 2.2  #: the same of a second joint
-    joints_apart: float = 0.3  #: between them at least, over the crop's side
-    joint_rim_px: int = 10  #: at a crop's border where no joint is looked for
-    joint_bands: int = 8  #: along a joint
-    upright_deg: float = 12.0  #: crops are turned upright by this at most
-    squares: int = 6  #: that the completed crop shows each way
-    completed_px: int = 768  #: its side at most
     # Things on plain surfaces.
     #: High percentile over the median of what a crop's pattern varies by: noise and plaster have 5
     #: to 10, a thing on them more, as do joints of tiles (from 12 on).
