@@ -19,7 +19,7 @@ THREE = """
     rule large:
         output: "large"
         resources: mem_mb=400
-        shell: "python -c 'import time; x = 700 * 2**20 * b\\"x\\"; time.sleep(60)'; touch {output}"
+        shell: "python3 -c 'import time; x = bytes(b\\"x\\" * 700 * 2**20); time.sleep(60)'"
 """
 
 
