@@ -226,8 +226,8 @@ def kindred_floors(graph: HouseGraph) -> np.ndarray:
     votes = np.where(same, 1.0, _S.other_use * (apart[:, None] & apart)) * _S.a_door**doors
     votes *= graph.observed[:, floor]
     np.fill_diagonal(votes, 0.0)
-    colours = graph.embeddings[:, floor]
-    gaps = np.array([[_apart(a, b) for b in colours] for a in colours])
+    labs = rgb_to_lab(np.clip(graph.embeddings[:, floor, _COLOUR:], 0.0, 1.0))
+    gaps = delta_e_2000(labs[:, None], labs[None])
     scores = np.where(votes > 0.0, votes @ np.exp(-gaps / _S.error_scale), 0.0)
     return np.where(scores.max(axis=1) > 0.0, scores.argmax(axis=1), -1)
 

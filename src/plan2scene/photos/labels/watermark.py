@@ -12,16 +12,18 @@ from scipy.stats import binom
 
 @dataclass(frozen=True)
 class WatermarkSettings:
-    """Constants. Source: set by hand on one real listing (development)."""
+    """Constants. Source: set by hand on two real listings with a mark (development)."""
 
     side_px: int = 640  #: longer side that photos are reduced to, pixels
     photos: int = 5  #: fewer photos of a size tell nothing
+    looked_at: int = 40  #: photos of a size, at most, which bounds the memory
     edge: float = 2.5  #: least slope of an edge, grey levels per pixel
     agree: float = 0.75  #: share of the photos that have an edge of one direction there
     #: How often that is chance at a pixel, and how often one photo's edge agrees by chance.
     chance: float = 2e-5
     one_agrees: float = 0.1
-    direction: float = 0.7  #: least cosine between their slopes
+    direction: float = 0.7  #: least cosine between its slope and the usual one
+    strength: float = 0.25  #: least part of the usual slope that it has along that
     #: Pixels by which edges are joined to one mark, and by which it is wider than they are.
     joined_px: int = 9
     margin_px: int = 3
@@ -64,12 +66,13 @@ def shared_mark(photos: Sequence[np.ndarray]) -> np.ndarray:
     nothing = np.zeros(photos[0].shape, dtype=bool)
     if len(photos) < WATERMARK.photos:
         return nothing
+    photos = photos[:: -(-len(photos) // WATERMARK.looked_at)]
     slopes = np.stack([_slope(photo) for photo in photos])
     usual = np.median(slopes, axis=0)
     steep = np.hypot(*usual)
     along = (slopes * usual).sum(axis=1)
     agree = along > WATERMARK.direction * np.hypot(slopes[:, 0], slopes[:, 1]) * steep
-    agree &= along > 0.25 * steep**2
+    agree &= along > WATERMARK.strength * steep**2
     least = max(
         WATERMARK.agree * len(photos),
         1 + binom.isf(WATERMARK.chance, len(photos), WATERMARK.one_agrees),

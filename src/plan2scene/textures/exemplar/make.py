@@ -162,11 +162,6 @@ def find_surface(
     if not good:
         return None
     good = sharper(calm(alike(good, tone)))
-    return _pattern(good, size_px, plain=plain)
-
-
-def _pattern(good: Sequence[ExemplarCrop], size_px: int, *, plain: bool) -> Pattern:
-    """Return the pattern of good crops."""
     work = work_size(size_px, len(good))
     flat, masks, colour, faults = _evened(good)
     luma = log_luma(flat)
