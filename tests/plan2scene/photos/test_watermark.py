@@ -42,6 +42,15 @@ def test_letters_over_all_photos_are_found(count):
     assert mark.mean() < 3 * letters().mean()
 
 
+def test_photos_whose_sizes_differ_by_rounding_share_a_mark():
+    photos = {f"{k}.png": reduced(p) for k, p in enumerate(rooms(6, marked=True))}
+    for k in (1, 4):
+        photos[f"{k}.png"] = cv2.resize(photos[f"{k}.png"], (SIZE[1] - k // 2, SIZE[0] + 1))
+    marks = watermarks(photos)
+    assert sorted(marks) == sorted(photos)
+    assert all(mark[letters()].mean() > 0.9 for mark in marks.values())
+
+
 @pytest.mark.parametrize("count", [5, 6, 9, 20])
 def test_photos_without_a_mark_have_none(count):
     photos = {f"{k}.png": reduced(p) for k, p in enumerate(rooms(count, marked=False))}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -15,6 +16,9 @@ class WatermarkSettings:
     """Constants. Source: set by hand on two real listings with a mark (development)."""
 
     side_px: int = 640  #: longer side that photos are reduced to, pixels
+    #: Sides that differ by less than this share are of one size: a mark keeps its place on photos
+    #: that were cropped to nearly one shape and scaled.
+    rounding: float = 0.01
     photos: int = 5  #: fewer photos of a size tell nothing
     looked_at: int = 40  #: photos of a size, at most, which bounds the memory
     edge: float = 2.5  #: least slope of an edge, grey levels per pixel
@@ -46,15 +50,20 @@ def watermarks(photos: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
 
     `photos` are of :func:`reduced`.
     """
-    by_size: dict[tuple[int, ...], list[str]] = {}
-    for name, grey in photos.items():
-        by_size.setdefault(grey.shape, []).append(name)
     found: dict[str, np.ndarray] = {}
-    for names in by_size.values():
-        mark = shared_mark([photos[name] for name in names])
+    left = dict(photos)
+    for size, _ in Counter(grey.shape for grey in photos.values()).most_common():
+        names = [name for name in left if _one_size(left[name].shape, size)]
+        same = [cv2.resize(left.pop(name), size[::-1]) for name in names]
+        mark = shared_mark(same) if same else np.zeros(size, dtype=bool)
         if mark.any():
             found |= dict.fromkeys(names, mark)
     return found
+
+
+def _one_size(first: Sequence[int], second: Sequence[int]) -> bool:
+    """Return whether two sizes (rows, columns) differ by rounding alone."""
+    return all(abs(a - b) < WATERMARK.rounding * b for a, b in zip(first, second, strict=True))
 
 
 def shared_mark(photos: Sequence[np.ndarray]) -> np.ndarray:
