@@ -32,9 +32,9 @@ rule patterns:
         f"logs/{DATASET}/benchmarks/patterns/{{house}}.tsv"
     conda:
         "../../envs/plan2scene.yaml"
-    threads: 1
+    threads: HOUSE_THREADS
     resources:
-        mem_mb=1000,
+        mem_mb=worker_memory(1000, 500),
     params:
         photo_folder=str(LAYOUT.photos),
         dataset=DATASET,

@@ -26,4 +26,5 @@ with job(snakemake.log[0]):
         snakemake.output[0],
         dataset=params.dataset,
         looks=jointed_floors(read_parquet(inputs.embeddings)[0], house),
+        threads=snakemake.threads,
     )

@@ -163,7 +163,7 @@ def find_pattern(
 
 def _rows(views: Sequence[FloorView], grainy: bool, widest_m: float) -> tuple[float, list[Reading]]:
     """Return how sure rows up to a width are, and what each view says of the likeliest width."""
-    curves = np.array([np.max([d.scores for d in _likely(view)], axis=0) for view in views])
+    curves = np.array([lines_of(view) for view in views])
     weights = np.array([_area(view) for view in views]) / sum(map(_area, views))
     reach = 2 * round(100 * FIND.same_size) + 1
     single = np.array([_single(curve) for curve in curves]) * np.less_equal(DISTANCES, widest_m)
@@ -265,6 +265,11 @@ def _zigzag(views: Sequence[FloorView]) -> tuple[FoundPattern, list[Reading]] | 
 def _area(view: FloorView) -> float:
     """Return what a view counts: its area, square metres, up to a limit."""
     return min(view.square_m, FIND.most_m2)
+
+
+def lines_of(view: FloorView) -> np.ndarray:
+    """Return how clearly lines of a view repeat (n,) at each of `DISTANCES`, 0..2."""
+    return np.asarray(np.max([direction.scores for direction in _likely(view)], axis=0))
 
 
 def _likely(view: FloorView) -> list[Direction]:

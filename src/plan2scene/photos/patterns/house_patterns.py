@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,13 +13,15 @@ import numpy as np
 from plan2scene.house import House
 from plan2scene.images import jpeg_bytes
 from plan2scene.io import read_parquet, write_parquet
+from plan2scene.parallel import each
 from plan2scene.photos.patterns.bands import WallBands, WallView, find_bands, wall_views
 from plan2scene.photos.patterns.bonds import LAID
-from plan2scene.photos.patterns.find import FIND, FoundPattern, Reading, find_pattern
+from plan2scene.photos.patterns.find import FIND, FoundPattern, Reading, find_pattern, lines_of
 from plan2scene.photos.patterns.units import Units, cut_units, unlaid
 from plan2scene.photos.patterns.views import (
     FloorView,
     PhotoFiles,
+    PhotoPlanes,
     floor_views,
     photos_with_planes,
     with_usual_height,
@@ -66,6 +68,7 @@ def write_patterns(
     *,
     dataset: str,
     looks: Mapping[str, tuple[float, float]] | None = None,
+    threads: int = 1,
 ) -> pd.DataFrame:
     """Find the patterns of a house's floors and walls in bands; write ``patterns.parquet``.
 
@@ -82,6 +85,8 @@ def write_patterns(
         For the metadata.
     looks : mapping of str to (float, float), optional
         How probably rooms' floors are of wood, and of tiles, by their looks.
+    threads : int
+        Photos that are worked on at a time; the result does not depend on it.
 
     Returns
     -------
@@ -98,9 +103,10 @@ def write_patterns(
     }
     floor_seen: list[FloorView] = []
     walls_seen: list[WallView] = []
-    for seen_photo in photos_with_planes(files, ("floor", "wall"), house_id=plan.id):
-        floor_seen += floor_views(seen_photo)
-        walls_seen += wall_views(seen_photo)
+    photos = photos_with_planes(files, ("floor", "wall"), house_id=plan.id)
+    for floors_of_photo, walls_of_photo in each(_views, photos, threads):
+        floor_seen += floors_of_photo
+        walls_seen += walls_of_photo
     known = looks or {}
     found = floor_patterns(with_usual_height(floor_seen), shared, known)
     patterns = {room: pattern for room, (pattern, _) in found.items()}
@@ -121,6 +127,15 @@ def write_patterns(
         size = f"{100 * row.width_m:.1f} x {100 * row.length_m:.1f} cm"
         _log.info("%s: %s %s, confidence %.2f", row.room_id, row.kind, size, row.confidence)
     return result
+
+
+def _views(read: Callable[[], PhotoPlanes]) -> tuple[list[FloorView], list[WallView]]:
+    """Return the floors and walls of a photo, the lines of the floors found."""
+    photo = read()
+    floors = list(floor_views(photo))
+    for view in floors:
+        lines_of(view)  # kept in it
+    return floors, list(wall_views(photo))
 
 
 def floor_patterns(

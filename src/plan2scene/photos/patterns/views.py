@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -13,7 +15,7 @@ from plan2scene.camera import Camera
 from plan2scene.colour import rgb_to_lab
 from plan2scene.errors import InputError
 from plan2scene.photos.crops.filter import FILTER
-from plan2scene.photos.locate.pose import read_poses
+from plan2scene.photos.locate.pose import Pose, read_poses
 from plan2scene.photos.patterns.joints import JOINTS, Direction, directions, evened
 from plan2scene.photos.photo_files import read_photo
 from plan2scene.photos.planes.planes import PhotoPlane, plane_of_row, read_planes
@@ -72,12 +74,11 @@ class PhotoPlanes:
 
 def photos_with_planes(
     files: PhotoFiles, surfaces: Collection[str], *, house_id: str = ""
-) -> Iterator[PhotoPlanes]:
-    """Yield the photos that show planes of some surfaces, by name."""
-    poses, frames = (
-        read_poses(files.cameras),
-        read_stage_json(files.masks / "cameras.json", "cameras"),
-    )
+) -> list[Callable[[], PhotoPlanes]]:
+    """Return what reads each photo that shows planes of some surfaces, by name."""
+    poses = read_poses(files.cameras)
+    frames = read_stage_json(files.masks / "cameras.json", "cameras")
+    readers: list[Callable[[], PhotoPlanes]] = []
     for photo, rows in sorted(read_planes(files.planes).items()):
         rows = [row for row in rows if row["surface"] in surfaces]
         if not rows:
@@ -85,14 +86,28 @@ def photos_with_planes(
         if photo not in files.photos or photo not in frames:
             expected = "a camera of every photo with planes"
             raise InputError(expected, f"none of {photo}", file=files.cameras, house=house_id)
-        image = read_photo(files.photos[photo], house_id=house_id)
         own = Camera.from_json(frames[photo], file=files.masks)
-        planes = []
-        for row in rows:
-            item = plane_of_row(row, image.shape[:2])
-            located = photo in poses and (item.in_plan or item.plane.surface == "floor")
-            planes.append((poses[photo].camera if located else own, item))
-        yield PhotoPlanes(photo, image, planes, photo in poses)
+        path, pose = files.photos[photo], poses.get(photo)
+        readers.append(partial(_read, photo, path, rows, own, pose, house_id))
+    return readers
+
+
+def _read(
+    photo: str,
+    path: Path,
+    rows: Sequence[Mapping[str, Any]],
+    own: Camera,
+    pose: Pose | None,
+    house_id: str,
+) -> PhotoPlanes:
+    """Return a photo with its planes (rows of planes.parquet) in their cameras."""
+    image = read_photo(path, house_id=house_id)
+    planes = []
+    for row in rows:
+        item = plane_of_row(row, image.shape[:2])
+        in_plan = item.in_plan or item.plane.surface == "floor"
+        planes.append((pose.camera if pose and in_plan else own, item))
+    return PhotoPlanes(photo, image, planes, pose is not None)
 
 
 def with_usual_height(views: Sequence[FloorView]) -> list[FloorView]:
