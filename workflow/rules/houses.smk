@@ -142,9 +142,9 @@ rule pictures:
         f"logs/{DATASET}/benchmarks/pictures/{{house}}.tsv"
     conda:
         "../../envs/plan2scene.yaml"
-    threads: 1
+    threads: HOUSE_THREADS
     resources:
-        mem_mb=1500,
+        mem_mb=worker_memory(1500, 300),
     params:
         objects=config["house"]["objects"],
         traced=config["house"]["pictures"] == "traced",

@@ -21,4 +21,5 @@ with job(snakemake.log[0]):
         patterns=inputs.get("patterns"),
         objects=params.objects,
         traced=params.traced,
+        threads=snakemake.threads,
     )

@@ -37,6 +37,7 @@ def draw_house(
     patterns: str | Path | None,
     objects: bool = True,
     traced: bool = False,
+    threads: int = 1,
 ) -> None:
     """Write a PNG of the house from above, JPEGs of its rooms at eye level and beside its photos.
 
@@ -52,6 +53,8 @@ def draw_house(
         ``patterns.parquet``; None where floors are not laid.
     traced : bool
         Rooms and views by path tracing, where Mitsuba is installed.
+    threads : int
+        Views that are drawn at a time; Mitsuba has threads of its own.
 
     Other parameters as of :func:`plan2scene.mesh.build.build_house`.
     """
@@ -63,7 +66,7 @@ def draw_house(
     poses = {} if cameras is None else read_poses(cameras)
     sheets = {
         rooms: render_rooms(house, Rays.of(built.parts), painter),
-        views: render_photo_views(house, photos, poses, painter),
+        views: render_photo_views(house, photos, poses, painter, 1 if traced else threads),
         floors: draw_patterns(house, patterns),
     }
     for output, sheet in sheets.items():

@@ -12,6 +12,7 @@ import numpy as np
 from plan2scene.camera import Camera
 from plan2scene.house import House
 from plan2scene.images import MAX_PHOTO_PIXELS, decode_image, to_small_srgb
+from plan2scene.parallel import each
 from plan2scene.photos.locate.pose import Pose
 from plan2scene_app.drawing import INK, PAPER, font, font_for, room_labels
 from plan2scene_app.pictures.lit_picture import Painter
@@ -35,18 +36,24 @@ def photo_view(house: House, pose: Pose) -> Camera:
 
 
 def render_photo_views(
-    house: House, photos: Mapping[str, Path], poses: Mapping[str, Pose], painter: Painter
+    house: House,
+    photos: Mapping[str, Path],
+    poses: Mapping[str, Pose],
+    painter: Painter,
+    threads: int = 1,
 ) -> np.ndarray:
     """Return a sheet of pairs, photo and house, by room and name, (h, w, 3) uint8 sRGB.
 
-    Of the photos (files by name) that have a pose.
+    Of the photos (files by name) that have a pose, `threads` of them at a time.
     """
     from PIL import Image, ImageDraw
 
     order = [room.id for room in house.rooms]
     labels = room_labels(house)
     names = sorted(poses.keys() & photos.keys(), key=lambda n: (order.index(poses[n].room_id), n))
-    pairs = [_pair(photos[n], photo_view(house, poses[n]), painter) for n in names]
+    pairs = list(
+        each(lambda n: _pair(photos[n], photo_view(house, poses[n]), painter), names, threads)
+    )
     rows = [pairs[k : k + COLUMNS] for k in range(0, len(pairs), COLUMNS)]
     high = [max(len(pair) for pair in row) + _TEXT + _GAP for row in rows] or [_TEXT]
     wide = 2 * SIZE[1] + _GAP

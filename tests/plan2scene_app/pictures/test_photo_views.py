@@ -23,4 +23,10 @@ def test_a_located_photo_stands_beside_the_house_from_its_place(gap_house, paint
     photo, house = sheet[8:233, 8:308], sheet[8:233, 308:608]
     assert (photo == (10, 200, 30)).all()
     np.testing.assert_array_equal(house, painter(view))
+    write_png(photos["unplaced.png"], house)
+    sheets = [
+        render_photo_views(gap_house, photos, dict.fromkeys(photos, pose), painter, threads)
+        for threads in (1, 2)
+    ]
+    np.testing.assert_array_equal(*sheets)
     assert render_photo_views(gap_house, photos, {}, painter).min() < 100  # says so
