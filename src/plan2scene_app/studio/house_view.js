@@ -30,7 +30,7 @@ export class HouseView {
     try {
       await this.take(await asked("run"));
       await this.host.look(this.run.revision);
-      if (this.due && turn === this.turn && this.run.state !== "running") {
+      if (this.due && !this.starting && turn === this.turn && this.run.state !== "running") {
         this.due = false;
         if (this.run.state === "done" && this.run.settings.finishes !== this.run.finishes) { this.start(); return; }
       }
@@ -56,7 +56,8 @@ export class HouseView {
   }
   async start() {
     document.getElementById("tab-house").click();
-    this.turn++;
+    if (this.starting) return; // a second click, or a choice that fell due meanwhile
+    this.starting = true;
     try {
       await this.host.flush();
       const chosen = Object.entries(this.choices).map(([name, choice]) => [name, this.rules.settings[name].values[choice.selectedIndex]]);
@@ -64,6 +65,7 @@ export class HouseView {
       await this.take(await asked("run", { method: "POST", body }));
       this.tell("");
     } catch (error) { this.tell(error.message); }
+    this.starting = false;
     this.turn++;
     this.poll();
   }

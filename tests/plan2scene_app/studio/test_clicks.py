@@ -2,6 +2,7 @@
 
 import json
 import sys
+import time
 
 import pytest
 from browser import Drawing, serious_violations
@@ -156,6 +157,21 @@ record = json.loads((home / "run.json").read_text())
 (home / "run.json").write_text(json.dumps(record | dict(state="done")))
 """
 )
+
+
+def test_a_house_asked_for_twice_at_once_is_made_once(drawing, monkeypatch):
+    page, begin, begun = drawing.page, runs.start, []
+
+    def slowly(*arguments):
+        begun.append(arguments)
+        time.sleep(1.5)  # as on a machine that has much to do
+        begin(*arguments)
+
+    monkeypatch.setattr(runs, "start", slowly)
+    two_rooms(drawing)
+    page.evaluate("() => { house.start(); house.start(); house.makeAgain(); }")
+    page.wait_for_function("() => house.run.state === 'done'")
+    assert len(begun) == 1
 
 
 def test_surfaces_are_clicked_and_set_by_hand(drawing, studio, tmp_path, monkeypatch):
