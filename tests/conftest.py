@@ -8,9 +8,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 
 #: Files that take a minute each, first: begun last, they would leave the other worker without work.
-#: Those on a SLURM mostly wait and begin beside the one that takes both cores.
 LONGEST = (
-    "test_profile",
     "test_all",
     "test_wheel",
     "test_house",

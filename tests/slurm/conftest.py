@@ -1,4 +1,4 @@
-"""Fixtures of the tests on a SLURM; what takes minutes: pytest -m slurm tests/slurm."""
+"""Fixtures of the tests on a SLURM: pytest -m slurm tests/slurm (.ci/run runs test_profile.py)."""
 
 import importlib.util
 from contextlib import ExitStack
@@ -8,7 +8,7 @@ import pytest
 
 
 def pytest_collection_modifyitems(config, items):
-    on_demand = pytest.mark.skip(reason="takes minutes: pytest -m slurm tests/slurm")
+    on_demand = pytest.mark.skip(reason="on demand: pytest -m slurm tests/slurm")
     for item in items:
         if item.get_closest_marker("slurm") and "slurm" not in config.option.markexpr:
             item.add_marker(on_demand)

@@ -6,6 +6,8 @@ import pytest
 from clones import demo_rows, make_clone
 from submit import submit, write_snakefile
 
+pytestmark = pytest.mark.slurm
+
 #: Jobs that need nobody, and what becomes of each.
 THREE = """
     rule all:
