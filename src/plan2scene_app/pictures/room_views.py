@@ -28,9 +28,9 @@ class RoomViewSettings:
     eye_m: float = 1.5  #: of the camera, above the floor
     fov_deg: float = 88.0  #: horizontal field of view, as of wide-angle photos of rooms
     clear_m: float = 0.35  #: distance kept from walls
-    #: Metres below the eye that one looks at 1 m ahead: the first in large rooms, the second in
-    #: small ones (`small_m2`), whichever shows more in rooms of up to `close_m2`.
-    look_down: tuple[float, float] = (0.22, 0.5)
+    #: Metres below the eye that one looks at 1 m ahead: the first in large rooms, in rooms of up to
+    #: `close_m2` whichever shows most, in those below `small_m2` not the first.
+    look_down: tuple[float, ...] = (0.22, 0.5, 0.9)
     close_m2: float = 8.0
     standpoints: int = 24  #: of the longest lines across a room, compared by what is seen
     small_m2: float = 2.0  #: smaller rooms are seen from their doors,
@@ -74,7 +74,8 @@ def camera_in(house: House, room_id: str, rays: Rays | None) -> Camera:
     height = house.level_of(room_id).elevation + min(SETTINGS.eye_m, 0.7 * room.height)
     small = polygon.area < SETTINGS.small_m2
     lines = (_doorways(house, room) if small else []) or standpoints(polygon)
-    downs = SETTINGS.look_down[: 1 + (polygon.area < SETTINGS.close_m2)][small:]
+    close = polygon.area < SETTINGS.close_m2
+    downs = SETTINGS.look_down[small:] if close else SETTINGS.look_down[:1]
     cameras = [_camera(*line, height, down) for down in downs for line in lines]
     if rays is None:
         return cameras[0]
