@@ -29,6 +29,7 @@ def test_crops_that_differ_make_few_of_them_doubtful(shared_house, tmp_path, cro
     around = np.linspace(-1.5, 1.5, crops)
     rows = [
         {"room_id": room, "surface": "floor", "n_crops": crops, "photo": "a.png"}
+        | {"substance": "tile"}
         | {"embedding": np.r_[np.full(8, mean + off), [0.4] * 3].astype(np.float32)}
         for mean, room in enumerate(rooms)
         for off in around
@@ -45,7 +46,7 @@ def test_a_floor_that_runs_on_is_one_material(shared_house, tmp_path):
     write_scene_json(shared_house, tmp_path / "scene.json")
     codes = [np.r_[np.zeros(8), [value] * 3].astype(np.float32) for value in (0.5, 0.4)]
     table = pd.DataFrame({"room_id": rooms, "surface": "floor", "embedding": codes})
-    table["n_crops"] = [1, 3]
+    table["n_crops"], table["substance"] = [1, 3], "tile"
     write_parquet(tmp_path / "surfaces.parquet", table, {})
     table["photo"] = ["bright.png", "dark.png"]
     write_parquet(tmp_path / "embeddings.parquet", table, {})
@@ -70,7 +71,24 @@ def test_floors_run_on_through_passages(shared_house, tmp_path, kind, materials)
     codes = [np.r_[np.full(8, k), [0.4] * 3].astype(np.float32) for k in (0.0, 1.0)]
     rooms = [room.id for room in plan.rooms]
     table = pd.DataFrame({"room_id": rooms, "surface": "floor", "embedding": codes})
-    table["n_crops"], table["photo"] = 1, "a.png"
+    table["n_crops"], table["photo"], table["substance"] = 1, "a.png", "tile"
+    for name in ("surfaces", "embeddings"):
+        write_parquet(tmp_path / f"{name}.parquet", table, {})
+    write_json(tmp_path / "light.json", {"gains": {}})
+    assert found(tmp_path)["material"].tolist() == materials
+
+
+@pytest.mark.parametrize(
+    ("substances", "materials"),
+    [(["wood", "wood"], ["floor-1"] * 2), (["wood", "tile"], []), (["tile", "tile"], [])],
+)
+def test_floors_of_wood_are_sooner_one(shared_house, tmp_path, substances, materials):
+    """They differ by more than two of stone may."""
+    write_scene_json(shared_house, tmp_path / "scene.json")
+    codes = [np.r_[np.full(8, k), [0.4] * 3].astype(np.float32) for k in (0.0, 1.0)]
+    rooms = [room.id for room in shared_house.rooms]
+    table = pd.DataFrame({"room_id": rooms, "surface": "floor", "embedding": codes})
+    table["n_crops"], table["photo"], table["substance"] = 1, "a.png", substances
     for name in ("surfaces", "embeddings"):
         write_parquet(tmp_path / f"{name}.parquet", table, {})
     write_json(tmp_path / "light.json", {"gains": {}})
@@ -84,6 +102,7 @@ def test_a_floor_is_known_by_all_of_its_crops(shared_house, tmp_path):
     codes = [np.r_[np.full(8, sign * 2.0), [0.4] * 3].astype(np.float32) for sign in (1, -1)]
     rows = [
         {"room_id": room, "surface": kind, "embedding": code, "n_crops": 6, "photo": "odd.png"}
+        | {"substance": "tile"}
         for kind in ("floor", "wall")
         for room, code in zip(rooms, codes, strict=True)
     ]
