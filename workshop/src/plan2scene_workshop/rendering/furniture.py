@@ -184,7 +184,7 @@ def place_along_wall(
     geometry: Geometry, layout: Layout, piece: Piece, rng: np.random.Generator
 ) -> bool:
     """Place a piece with its back to a wall; returns whether a place was found."""
-    lengths = np.array([face.length for face in layout.faces])
+    lengths = np.array([max(face.length, 0.0) for face in layout.faces])
     for _ in range(TRIES):
         index = int(rng.choice(len(lengths), p=lengths / lengths.sum()))
         face, half = layout.faces[index], piece.width / 2
