@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from plan2scene.colour import log_axes
 from plan2scene.house import SurfaceKey
 from plan2scene.paint.estimate import Observation, PaintPrior, estimate_paint
 from plan2scene.paint.observations import SHARES, PlaneColours, write_colours
@@ -68,6 +69,19 @@ def test_a_carpet_may_be_redder_than_any_other():
     assert estimate.paint[SurfaceKey("a", "floor")] == pytest.approx(red, rel=0.4)
 
 
+@pytest.mark.parametrize(
+    ("floor", "grey"), [((0.4, 0.38, 0.43), True), ((0.3, 0.2, 0.12), False)], ids=["grey", "wood"]
+)
+def test_a_grey_carpet_that_looks_lilac_is_grey_and_wood_stays_brown(floor, grey):
+    paints = room("a", (WHITE,) * 3, floor=floor)
+    estimate = estimate_paint(observed(paints, {"1": (GREY, "a")}, noise=0.02))
+    off, shown = (
+        np.abs(log_axes(np.array(colour))[1:]).max()
+        for colour in (estimate.paint[SurfaceKey("a", "floor")], floor)
+    )
+    assert off < 0.6 * shown if grey else off == pytest.approx(shown, rel=0.2)
+
+
 def test_a_blue_wall_below_a_white_ceiling_is_blue():
     blue = (0.2, 0.3, 0.5)
     paints = room("a", blue) | room("b", (WHITE,) * 3)
@@ -83,7 +97,7 @@ def test_a_blue_wall_below_a_white_ceiling_is_blue():
 @pytest.mark.parametrize(("mixed", "white"), [(0.0, False), (0.2, True)])
 def test_a_ceiling_in_the_light_of_lamps_is_white_where_light_is_seen_to_be_mixed(mixed, white):
     shown = observed(room("a", (WHITE,) * 3), {"1": (GREY, "a"), "2": (SKY, "a")}, noise=0.02)
-    warm = np.exp(0.7 * np.array([0.507, 0.0, -0.862]))
+    warm = np.exp(0.8 * np.array([0.507, 0.0, -0.862]))
     lit = [
         replace(item, mixed=mixed, colour=tuple(np.array(item.colour) * warm))
         if item.surface.surface == "ceiling"
