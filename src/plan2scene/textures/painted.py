@@ -16,6 +16,7 @@ import cv2
 import numpy as np
 
 from plan2scene.colour import (
+    LUMINANCE,
     as_uint8,
     from_log_axes,
     linear_to_srgb,
@@ -52,6 +53,9 @@ FAINT = 0.028
 LOUD = 0.12
 PATTERNED = ("tile", "wood")  #: Substances whose patterns are no stains
 _BLACK = 1e-3  #: Least linear value of a texture's median
+#: Factors of the channels that differ by more make another colour (light does 2.5 at most): noise
+#: of a channel that was nearly black would become blotches of its colour.
+_TURNED = 3.0
 #: What balconies, terraces and yards have where no photo shows them, since carpets and wallpapers
 #: stay indoors: linear values and substances of grey stone and of render.
 OPEN_AIR = {"floor": (0.30, "tile"), "wall": (0.65, "plaster")}
@@ -136,11 +140,11 @@ def paint_textures(
     entries |= {key: entries[key] | {"source": "as the open air asks"} for key in outside}
     with atomic_directory(out_dir) as folder:
         for key, tile in tiles.items():
-            bare = plains[key].image if key in plains else relight(tile, gains[key], knee=_KNEE)
+            bare = plains[key].image if key in plains else repainted(tile, gains[key])
             write_png(folder / f"{key.filename}.png", bare)
             whole = root / f"{key.filename}.jpg"
             if whole.is_file() and key not in plains:
-                lit = relight(read_image(whole), gains[key], knee=_KNEE)
+                lit = repainted(read_image(whole), gains[key])
                 (folder / whole.name).write_bytes(jpeg_bytes(lit, quality=_QUALITY))
         write_json(folder / "doors.json", doors)
         if trim:
@@ -223,6 +227,20 @@ def _open_air_tiles(
             image = np.full_like(image, as_uint8(linear_to_srgb(np.full(3, value))))
         made[key] = _Tile(image, size_m, substance, pattern)
     return made
+
+
+def repainted(image: np.ndarray, gains: np.ndarray) -> np.ndarray:
+    """Return a texture (h, w, 3) uint8 sRGB with its linear RGB times `gains` (3,).
+
+    Where these make it another colour, only the brightness of its pattern is kept.
+    """
+    if gains.max() > _TURNED * gains.min():
+        linear = srgb_to_linear(image)
+        bright = (linear @ LUMINANCE)[..., None]
+        usual = np.maximum(srgb_to_linear(median_colour(image)), _BLACK)
+        one = usual * bright / max(float(np.median(bright)), _BLACK)
+        image = as_uint8(linear_to_srgb(np.minimum(one, 1.0)))
+    return relight(image, gains, knee=_KNEE)
 
 
 def plain(image: np.ndarray, colour: np.ndarray, px_per_m: float) -> tuple[np.ndarray, float]:

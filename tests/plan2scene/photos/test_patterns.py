@@ -76,6 +76,15 @@ def test_looks_part_planks_from_tiles_of_one_shape(looks, kind):
     assert np.isnan(found.length_m) == (kind == "planks")
 
 
+@pytest.mark.parametrize(("looks", "kind"), [((0.8, 0.1), "planks"), ((0.05, 0.6), "plain")])
+def test_stripes_without_ends_are_planks_on_wood_and_shadows_on_other_floors(looks, kind):
+    y = np.arange(SIZE_PX) / JOINTS.px_per_m
+    stripes = 0.5 + 0.2 * ((y % 0.17) < 0.05)[:, None] * np.ones(SIZE_PX)
+    image = np.repeat(stripes[..., None], 3, axis=2)
+    found, _ = find_pattern([view(image, 25.0), view(image, 25.5)], looks)
+    assert found.kind == kind
+
+
 def test_wood_whose_joints_hardly_show_has_planks_all_the_same():
     offsets = np.random.default_rng(1).uniform(0, 1, 28)
     layout = bonds.bond(SIZE_PX, 2, 28, SIDE_M, offsets)

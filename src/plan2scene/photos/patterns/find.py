@@ -148,7 +148,9 @@ def find_pattern(
     wood = _wood(looks, ratio)
     if wood > 0.5 and kind == "tiles" and width <= FIND.widest_plank_m:
         kind, ratio, square, offset = "planks", NAN, False, 0.0  # its ends were not seen
-    elif wood <= 0.5 and kind == "planks" and np.isfinite(ratio):
+    elif wood <= 0.5 and kind == "planks":
+        if not np.isfinite(ratio):  # shadows of a blind, a striped carpet
+            return FoundPattern("plain", confidence=1.0 - confidence * wood), []
         kind = "tiles"
     if width <= FIND.widest_plank_m:
         confidence *= wood if kind == "planks" else 1.0 - wood
