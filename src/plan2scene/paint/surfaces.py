@@ -14,7 +14,7 @@ from plan2scene.house import SURFACES, SurfaceKey
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.paint.accents import find_accents
 from plan2scene.paint.estimate import Observation, PaintPrior, estimate_paint
-from plan2scene.paint.observations import WHOLE, matte_colour, usual_colour
+from plan2scene.paint.observations import WHOLE, matte_colour, usual_colour, without_glimpses
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -45,7 +45,7 @@ def observations_of(path: str | Path, *, accents: bool = True) -> list[Observati
     With `accents` walls of another paint than their room's are surfaces of their own: ``wall.``
     and the ids of those on one plane, joined by ``|``.
     """
-    table, _ = read_parquet(path)
+    table = without_glimpses(read_parquet(path)[0])
     table = table[table["surface"] != "frame"].copy()
     for room_id, walls in find_accents(table) if accents else ():
         mine = (table["room_id"] == room_id) & (table["walls"] == walls)

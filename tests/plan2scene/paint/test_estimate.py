@@ -160,13 +160,15 @@ def test_few_pixels_of_another_room_do_not_paint_a_wall():
     assert SurfaceKey("a", "wall") in estimate_paint([*items, oak]).white
 
 
-@pytest.mark.parametrize(("seen", "kept"), [(0.03, 1), (0.001, 2)])
-def test_what_is_seen_within_a_room_takes_no_colour_from_another(tmp_path, seen, kept):
+@pytest.mark.parametrize(
+    ("seen", "far", "kept"), [(0.03, 0.01, 1), (0.001, 0.01, 2), (0.001, 0.001, 1), (0.0, 0.001, 0)]
+)
+def test_what_is_seen_within_a_room_takes_no_colour_from_another(tmp_path, seen, far, kept):
     def plane(photo, own, weight, colour):
         shares = np.tile(np.array(colour, dtype=np.float32), (SHARES, 1))
         return PlaneColours(photo, ("hall",), "floor", 0, own, (), weight, shares)
 
-    planes = [plane("hall", True, seen, (0.2, 0.01, 0.02)), plane("bed", False, 0.01, (0.3,) * 3)]
+    planes = [plane("hall", True, seen, (0.2, 0.01, 0.02)), plane("bed", False, far, (0.3,) * 3)]
     path = tmp_path / "colours.parquet"
     write_colours(path, planes, dataset="d", house_id="h")
     assert len(observations_of(path)) == kept

@@ -23,7 +23,7 @@ def test_a_black_floor_that_no_crop_shows_is_black_and_said_to_be_seen(shared_ho
     write_parquet(tmp_path / "surfaces.parquet", pd.DataFrame([wall]), {})
     kinds = ((first, "wall", 0.45), (second, "floor", 0.002))
     rows = [
-        {"photo": "a.jpg", "room_id": room, "surface": kind, "weight": 0.02}
+        {"photo": "a.jpg", "room_id": room, "surface": kind, "weight": 0.02, "own": True}
         | {"colours": np.full(96, grey, np.float32)}
         for room, kind, grey in kinds
     ]
