@@ -409,6 +409,24 @@ def test_floors_without_joints_make_no_other_floor_tiled(files):
         assert surfaces["hall/floor"]["source"].startswith("exemplar of 1 crops")
 
 
+@pytest.mark.parametrize(("confidence", "like"), [(0.4, "bed1"), (0.9, "hall")])
+def test_a_floor_without_joints_is_like_another_without(files, confidence, like):
+    table = pd.read_parquet(files / "propagated.parquet")
+    keys = [(row.room_id, row.surface) for row in table.itertuples()]
+    tone = {("bed1", "floor"): 0.5, ("hall", "floor"): 0.3, ("bed2", "floor"): 0.52}
+    table["embedding"] = [
+        np.r_[np.full(8, 1e-4 * k), [tone.get(key, 0.56)] * 3].astype(np.float32)
+        for k, key in enumerate(keys)
+    ]
+    table["substance"] = ["carpet" if key == ("hall", "floor") else "wood" for key in keys]
+    write_parquet(files / "propagated.parquet", table, {"house": "h1"})
+    rows = {"room_id": ["hall", "bed2"], "surface": "floor", "kind": "plain"}
+    rows["confidence"] = confidence
+    write_parquet(files / "patterns.parquet", pd.DataFrame(rows), {"house": "h1"})
+    _, surfaces = _make(files, "exemplar")
+    assert surfaces["bed2/floor"]["source"].startswith(f"exemplar of {like}, ")
+
+
 def test_wrong_requests_are_refused(files):
     inputs = _inputs(files)
     with pytest.raises(InputError, match="a method of crop"):

@@ -160,7 +160,8 @@ def _nearest(
 ) -> Tile | NoTile:
     """Return the nearest exemplar of the house for a surface without its own, or why there is none.
 
-    Exemplars of the predicted substance come first; an unobserved surface takes no other.
+    Exemplars of the predicted substance come first; an unobserved surface takes no other. A floor
+    without joints is like those without joints.
     """
     kind = surface.key.surface
     pool = [key for key in own if key.surface == kind]
@@ -172,8 +173,12 @@ def _nearest(
     alike = copied or [
         key
         for key in pool
-        if surfaces[key].substance == surface.substance
-        and not (surface.substance == "tile" and key in jointless)
+        if (
+            key in jointless
+            if surface.key in jointless
+            else surfaces[key].substance == surface.substance
+            and not (surface.substance == "tile" and key in jointless)
+        )
     ]
     if not alike and not surface.observed:
         return _usual_tile(inputs, surface, tone)
