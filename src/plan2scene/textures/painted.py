@@ -235,11 +235,10 @@ def repainted(image: np.ndarray, gains: np.ndarray) -> np.ndarray:
     Where these make it another colour, only the brightness of its pattern is kept.
     """
     if gains.max() > _TURNED * gains.min():
-        linear = srgb_to_linear(image)
-        bright = (linear @ LUMINANCE)[..., None]
-        usual = np.maximum(srgb_to_linear(median_colour(image)), _BLACK)
-        one = usual * bright / max(float(np.median(bright)), _BLACK)
-        image = as_uint8(linear_to_srgb(np.minimum(one, 1.0)))
+        bright = srgb_to_linear(image) @ LUMINANCE
+        paint = gains * np.maximum(srgb_to_linear(median_colour(image)), _BLACK)
+        one = paint * (bright / max(float(np.median(bright)), _BLACK))[..., None]
+        return as_uint8(linear_to_srgb(np.minimum(one, _PLAIN.brightest)))
     return relight(image, gains, knee=_KNEE)
 
 
