@@ -49,13 +49,20 @@ class PaintPrior:
     #: White paint: mean and standard deviation.
     white: Axes = (float(np.log(0.82)), 0.01, -0.02)
     white_deviation: Axes = (0.06, 0.025, 0.035)
-    #: Pale and grey paint.
-    pale: Axes = (-0.7, 0.04, -0.08)
-    pale_deviation: Axes = (0.45, 0.06, 0.09)
-    #: Grey floors, of stone, concrete or carpet. Chosen, with their share, on three real listings
-    #: (development).
-    grey_floor: Axes = (-1.2, 0.04, -0.08)
-    grey_floor_deviation: Axes = (0.7, 0.06, 0.09)
+    #: Pale and grey paint, by kind. That of floors (stone, concrete, carpet), with its share, was
+    #: chosen on three real listings (development).
+    pale: tuple[Axes, ...] = (
+        (-1.2, 0.04, -0.08),
+        (-0.7, 0.04, -0.08),
+        (-0.7, 0.04, -0.08),
+        (-0.7, 0.04, -0.08),
+    )
+    pale_deviation: tuple[Axes, ...] = (
+        (0.7, 0.06, 0.09),
+        (0.45, 0.06, 0.09),
+        (0.45, 0.06, 0.09),
+        (0.45, 0.06, 0.09),
+    )
     #: Probability that a surface is white, and that it is pale or grey, by kind. The second of
     #: walls and ceilings, and `pale`, were chosen on 13 synthetic homes and the demo.
     share_white: tuple[float, ...] = (0.001, 0.75, 0.97, 0.7)
@@ -229,14 +236,12 @@ class _Problem:
         self.tinted = [k for k, item in lit if item.lit_by is not None]
         self.lit_by = [row[item.lit_by] for _, item in lit if item.lit_by is not None]
         self.kind = kinds = np.array([KINDS.index(key.kind) for key in self.surfaces])
-        alike, floor = np.zeros((len(kinds), 1)), (kinds == KINDS.index("floor"))[:, None]
-        pale = np.where(floor, prior.grey_floor, prior.pale)
-        spread = np.where(floor, prior.grey_floor_deviation, prior.pale_deviation)
+        alike = np.zeros((len(kinds), 1))
+        means = np.array([prior.colour, prior.pale])[:, kinds]
+        spreads = np.array([prior.colour_deviation, prior.pale_deviation])[:, kinds]
         #: Of each sort and surface: mean and deviation of its paint, (3, s, 3), log probability.
-        self.means = np.array([np.array(prior.colour)[kinds], prior.white + alike, pale])
-        self.deviations = np.array(
-            [np.array(prior.colour_deviation)[kinds], prior.white_deviation + alike, spread]
-        )
+        self.means = np.array([means[0], prior.white + alike, means[1]])
+        self.deviations = np.array([spreads[0], prior.white_deviation + alike, spreads[1]])
         white, pale = np.array(prior.share_white), np.array(prior.share_pale)
         with np.errstate(divide="ignore"):
             self.chance = np.log([1.0 - white - pale, white, pale])[:, kinds]

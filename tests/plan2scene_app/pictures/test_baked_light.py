@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from glb_file import chunks
 from PIL import Image
+from sample_houses import walls_of
 from shapely.geometry import Point
 
-from plan2scene.house import Opening, SurfaceKey
+from plan2scene.house import Door, House, Opening, Room, SurfaceKey
 from plan2scene.images import png_bytes
 from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.baking import lamp_position
@@ -126,6 +127,18 @@ def test_lamps_hang_and_cameras_stand_inside_any_room(l_house, ring_house):
         assert polygon.contains(Point(camera.position[0], camera.position[2]))
         for eye, _ in standpoints(polygon):
             assert polygon.exterior.distance(Point(*eye)) > 0.3
+
+
+@pytest.mark.parametrize(("size", "down"), [((1.5, 1.7), 0.67), ((6.0, 5.0), 0.21)])
+def test_the_smaller_a_room_the_more_one_looks_at_its_floor(size, down):
+    """In a bath of 2.5 square metres a flatter picture has walls alone."""
+    (width, depth), corner = size, (0.0, 0.0)
+    outline = (corner, (width, 0.0), size, (0.0, depth))
+    room = Room("bath", ("Bathroom",), (outline,), 2.5)
+    openings = {0: [Opening("way", "door", 0.3, 1.1, 0.0, 2.1)]}
+    house = House("h", (room,), walls_of(room, openings=openings), (Door("bath", "way", None),))
+    camera = camera_in(house, "bath", Rays.of(assemble(house).parts))
+    assert -camera.matrix[2][1] == pytest.approx(down, abs=0.02)
 
 
 def drawn(house, textures, parts):

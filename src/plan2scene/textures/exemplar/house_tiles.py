@@ -170,16 +170,13 @@ def _nearest(
     code = _code(surface)
     tone = np.clip(code[-3:], 0.0, 1.0) if surface.tone is None else surface.tone
     copied = [key for key in pool if np.array_equal(_code(surfaces[key])[:-3], code[:-3])]
-    alike = copied or [
-        key
-        for key in pool
-        if (
-            key in jointless
-            if surface.key in jointless
-            else surfaces[key].substance == surface.substance
-            and not (surface.substance == "tile" and key in jointless)
-        )
-    ]
+    if surface.key in jointless:
+        fitting = [key for key in pool if key in jointless]
+    else:
+        left_out = jointless if surface.substance == "tile" else ()
+        of_one = [key for key in pool if surfaces[key].substance == surface.substance]
+        fitting = [key for key in of_one if key not in left_out]
+    alike = copied or fitting
     if not alike and not surface.observed:
         return _usual_tile(inputs, surface, tone)
     pool = alike or pool
