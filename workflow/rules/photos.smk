@@ -136,6 +136,7 @@ rule doubts:
         f"logs/{DATASET}/benchmarks/doubts/{{house}}.tsv"
     conda:
         "../../envs/plan2scene.yaml"
+    priority: -1  # after what others wait for
     threads: 1
     resources:
         mem_mb=800,
@@ -169,9 +170,10 @@ rule contact_sheet:
         f"logs/{DATASET}/benchmarks/contact_sheet/{{house}}.tsv"
     conda:
         "../../envs/plan2scene.yaml"
-    threads: HOUSE_THREADS
+    priority: -1  # after what others wait for
+    threads: 1  # others of its house run beside it
     resources:
-        mem_mb=worker_memory(1000, 300),
+        mem_mb=1000,
     params:
         names=photo_names_of,
         photo_folder=str(LAYOUT.photos),

@@ -21,8 +21,16 @@ from plan2scene.photos.crops.extract_crops import (
     write_crops,
 )
 from plan2scene.photos.crops.filter import judge_of
-from plan2scene.photos.crops.sampling import CropSettings, sample_candidates
-from plan2scene.photos.crops.selection import CANDIDATE_COLUMNS, COLUMNS
+from plan2scene.photos.crops.sampling import (
+    ENOUGH,
+    Candidate,
+    Crop,
+    CropSettings,
+    Reason,
+    Verdict,
+    sample_candidates,
+)
+from plan2scene.photos.crops.selection import CANDIDATE_COLUMNS, COLUMNS, MOST, write_tables
 from plan2scene.photos.labels.palette import write_label_png
 from plan2scene.photos.planes.planes import PhotoPlane, Plane, plane_of_row, plane_row, read_planes
 
@@ -183,6 +191,22 @@ def test_candidates_have_corners_on_the_photo(house, inputs):
         near = image[round(inner[1]), round(inner[0]), 0].astype(int)
         pixel = png[abs(r - 6), abs(c - 6), 0].astype(int)
         assert abs(near - pixel) < 70
+
+
+def test_a_surface_of_many_photos_has_a_share_of_each(tmp_path):
+    blank, window = np.zeros((128, 128, 3), np.uint8), (0.0, 0.0, 1.0, 1.0)
+    verdicts = [Verdict()] * 10 + [Verdict.of([Reason.BLURRED], 0.5)]
+    candidates = [
+        Candidate(Crop(k, window, 1.0, 1.0, 90.0, blank), verdict, "floor", 0, photo, ("hall",))
+        for photo in (f"{n:02d}.png" for n in range(2 * MOST // 10))
+        for k, verdict in enumerate(verdicts)
+    ]
+    files = tmp_path / "crops.parquet", tmp_path / "candidates.parquet"
+    crops = write_tables(candidates, *files, dataset="d", house_id="h")
+    assert len(crops) == MOST
+    assert set(crops.groupby("photo").size()) == {5}
+    table, _ = read_parquet(files[1])
+    assert table.reason.value_counts().to_dict() == {"": MOST, ENOUGH: MOST, "not sharp": 12}
 
 
 def test_rooms_of_other_heights_get_their_own_crops(inputs):

@@ -63,6 +63,12 @@ def test_few_photos_and_photos_of_one_view_tell_nothing():
     assert not shared_mark([reduced(marked[0])] * 6).any()
 
 
+def test_copies_of_a_photo_count_once():
+    copies = [reduced(photo) for photo in rooms(3, marked=True) for _ in range(8)]
+    others = [reduced(photo) for photo in rooms(6, marked=False)[3:]]
+    assert not shared_mark([*copies, *others]).any()
+
+
 def test_a_mark_is_on_no_floor(tmp_path):
     photos = {}
     (tmp_path / "given").mkdir()

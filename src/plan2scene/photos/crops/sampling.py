@@ -29,6 +29,7 @@ from plan2scene.photos.planes.walls import PLANES
 GRAVE = 1.0  #: Score of a window that may show something else than its surface
 #: The reasons of a crop that is selected for want of a better one begin with this.
 _LAST_RESORT = "last resort: "
+ENOUGH = "enough others"  #: The reason of a good window that is no crop
 
 
 class Reason(StrEnum):
@@ -89,10 +90,12 @@ class Verdict:
 
 
 def reason_text(verdict: Verdict, *, selected: bool) -> str:
-    """Return the cell ``reason`` of candidates.parquet: empty for a good window.
+    """Return the cell ``reason`` of candidates.parquet: empty for a good crop.
 
-    `selected` tells a crop that is selected for want of a better one.
+    `selected` tells a crop from a window that is none.
     """
+    if verdict.good and not selected:
+        return ENOUGH
     text = ", ".join(verdict.reasons)
     return _LAST_RESORT + text if selected and text else text
 

@@ -35,12 +35,14 @@ CANDIDATE_COLUMNS = {**_SHARED, "reason": "str", "crop_id": "str", "corners": "o
 #: Crops selected of a surface without a good one: in all where some have mild reasons only, else
 #: of each photo.
 LAST_RESORT, WORST_RESORT = 10, 3
+MOST = 60  #: Good crops selected of a surface: six planes' of the paper, more tell nothing new
 
 
 def select_candidates(candidates: Sequence[Candidate]) -> set[tuple[int, str]]:
     """Return (number in the sequence, room) of the candidates that become crops.
 
-    The good ones; of a surface that has none, the least bad, so that it stays observed.
+    The good ones, at most `MOST` of a surface, in turn from all planes that show it; of a surface
+    that has none, the least bad, so that it stays observed.
     """
     of_surface: dict[tuple[str, str], list[int]] = {}
     for number, candidate in enumerate(candidates):
@@ -50,6 +52,7 @@ def select_candidates(candidates: Sequence[Candidate]) -> set[tuple[int, str]]:
     for (room, _), numbers in of_surface.items():
         verdicts = {number: candidates[number].verdict for number in numbers}
         selected = [number for number in numbers if verdicts[number].good]
+        selected = _in_turn(selected, candidates)[:MOST]
         if not selected:
             selected = sorted(numbers, key=lambda number: (verdicts[number].score, number))
             mild = not verdicts[selected[0]].grave
@@ -57,6 +60,17 @@ def select_candidates(candidates: Sequence[Candidate]) -> set[tuple[int, str]]:
             selected = selected[:LAST_RESORT] if mild else _few_of_each(selected, candidates)
         rooms.update((number, room) for number in selected)
     return rooms
+
+
+def _in_turn(numbers: Sequence[int], candidates: Sequence[Candidate]) -> list[int]:
+    """Return the first of each plane of each photo, then the second of each, and so on."""
+    turn: Counter[tuple[str, int]] = Counter()
+    order: list[tuple[int, int]] = []
+    for number in numbers:
+        plane = candidates[number].photo, candidates[number].plane
+        order.append((turn[plane], number))
+        turn[plane] += 1
+    return [number for _, number in sorted(order)]
 
 
 def _few_of_each(numbers: Sequence[int], candidates: Sequence[Candidate]) -> list[int]:

@@ -72,6 +72,7 @@ def shared_mark(photos: Sequence[np.ndarray]) -> np.ndarray:
     The median slope over the photos is that of what all share: Dekel et al. 2017,
     DOI 10.1109/CVPR.2017.726. Nothing of few photos, and of photos of one view.
     """
+    photos = list({photo.tobytes(): photo for photo in photos}.values())  # a copy tells nothing
     nothing = np.zeros(photos[0].shape, dtype=bool)
     if len(photos) < WATERMARK.photos:
         return nothing

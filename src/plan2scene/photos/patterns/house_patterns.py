@@ -86,7 +86,7 @@ def write_patterns(
     looks : mapping of str to (float, float), optional
         How probably rooms' floors are of wood, and of tiles, by their looks.
     threads : int
-        Photos that are worked on at a time; the result does not depend on it.
+        Photos, then materials, worked on at a time; the result does not depend on it.
 
     Returns
     -------
@@ -108,7 +108,7 @@ def write_patterns(
         floor_seen += floors_of_photo
         walls_seen += walls_of_photo
     known = looks or {}
-    found = floor_patterns(with_usual_height(floor_seen), shared, known)
+    found = floor_patterns(with_usual_height(floor_seen), shared, known, threads)
     patterns = {room: pattern for room, (pattern, _) in found.items()}
     pictured, _ = read_parquet(crops)
     seen = set(pictured.loc[pictured["surface"] == "floor", "room_id"])
@@ -142,32 +142,46 @@ def floor_patterns(
     views: Sequence[FloorView],
     materials: Mapping[str, str],
     looks: Mapping[str, tuple[float, float]] | None = None,
+    threads: int = 1,
 ) -> dict[str, tuple[FoundPattern, Units]]:
     """Return the pattern of each room's floor that `views` show, and units cut out of them.
 
     Rooms of one material (room -> its name) are read together: photos' scales differ. A room whose
-    own photos show something else evidently keeps that. `looks` as of :func:`write_patterns`.
+    own photos show something else evidently keeps that. `looks` as of :func:`write_patterns`;
+    `threads` materials are worked on at a time.
     """
     known = looks or {}
-    rooms = sorted({room for view in views for room in view.rooms})
-    together = {}
-    for name in sorted(set(materials.values())):
-        members = [view for view in views if any(materials.get(r) == name for r in view.rooms)]
-        if members:
+    alike: dict[tuple[str, str], list[str]] = {}  # rooms of one material; else a room alone
+    for room in sorted({room for view in views for room in view.rooms}):
+        name = materials.get(room, "")
+        alike.setdefault((name, "" if name else room), []).append(room)
+
+    def of_material(rooms: list[str]) -> list[tuple[FoundPattern, Units]]:
+        name, shared = materials.get(rooms[0], ""), None
+        if name:
+            members = [view for view in views if any(materials.get(r) == name for r in view.rooms)]
             likely = [known[room] for room in known if materials.get(room) == name]
             both = tuple(np.mean(likely, axis=0).tolist()) if likely else None
             whole, readings = find_pattern(members, both)
-            together[name] = whole, _units(whole, readings, members)
-    found = {}
-    for room in rooms:
-        mine = [view for view in views if room in view.rooms]
-        own, readings = find_pattern(mine, known.get(room))
-        shared = together.get(materials.get(room, ""))
-        if shared is None or (shared[0].kind == "plain" and shared[0].confidence < own.confidence):
-            found[room] = own, _units(own, readings, mine)
-        else:
-            found[room] = _turned(shared[0], own), shared[1]
-    return found
+            shared = whole, _units(whole, readings, members)
+        found = []
+        for room in rooms:
+            mine = [view for view in views if room in view.rooms]
+            own, readings = find_pattern(mine, known.get(room))
+            if shared is None or (
+                shared[0].kind == "plain" and shared[0].confidence < own.confidence
+            ):
+                found.append((own, _units(own, readings, mine)))
+            else:
+                found.append((_turned(shared[0], own), shared[1]))
+        return found
+
+    groups = list(alike.values())
+    return {
+        room: pattern
+        for rooms, found in zip(groups, each(of_material, groups, threads), strict=True)
+        for room, pattern in zip(rooms, found, strict=True)
+    }
 
 
 def continued(
