@@ -74,6 +74,7 @@ def test_what_a_room_is_used_for_and_its_name_tell_it():
         ("bedroom", {"bed_1": 1.0, "bed_2": 1.0}),
         ("MasterBedroom_3", {"bed_1": 0.5, "bed_2": 1.0}),
         ("mastersinks", {"bed_2": 1.0}),
+        ("primarybedroom", {"bed_1": 0.5, "bed_2": 1.0}),
         ("IMG_2031 room", {}),
     ],
 )

@@ -203,9 +203,13 @@ def fitting_rooms(house: House, name: str) -> dict[str, float]:
 
 
 def _words(text: str) -> set[str]:
-    """Return the words of a name in lower case, without numbers and without "room"."""
+    """Return the words of a name in lower case, without numbers and without "room".
+
+    Numbers tell nothing: on real listings "bedroom 2" is as often another bedroom.
+    """
     parts = re.split(r"[\W\d_]+|(?<=[a-z])(?=[A-Z])", text)
-    return {part.lower() for part in parts if len(part) > 1} - {"room"}
+    words = {part.lower() for part in parts if len(part) > 1} - {"room"}
+    return {re.sub("^(primary|principal)(?=$|bed|bath)", "master", word) for word in words}
 
 
 def _is_word(own: str, word: str) -> bool:
