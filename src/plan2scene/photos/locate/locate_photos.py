@@ -137,15 +137,10 @@ def locate_shots(
         for name, quarters in spot.quarters.items():
             sure = rooms[name][best.room_id] if name in rooms else 1.0
             camera = turned(shots[name].camera, best.turn + quarters * np.pi / 2)
-            poses[name] = Pose(best.room_id, best.position, camera, sure * found)
-
-    def stands_there(name: str) -> bool:
-        pose = poses[name]
-        return not pose.believed or shows_its_room(shots[name].labels, pose, shapes)
-
-    for name, shown in zip(poses, each(stands_there, poses, threads), strict=True):
-        if not shown:
-            poses[name] = replace(poses[name], located=0.0)
+            pose = Pose(best.room_id, best.position, camera, sure * found)
+            if pose.believed and not shows_its_room(shots[name].labels, pose, shapes):
+                pose = replace(pose, located=0.0)
+            poses[name] = pose
     return Located(poses, rooms)
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
+import cv2
 import numpy as np
 
 from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL
@@ -21,6 +22,7 @@ from plan2scene.photos.planes.walls import PLANES
 
 #: Kinds of opening through which a room is seen.
 OPEN = ("door", "passage")
+COARSE = 4  #: Pixels of a photo for one that tells whether it shows its room
 
 
 def seen_planes(
@@ -51,6 +53,8 @@ def seen_planes(
             owners = _flat_owners(surface, pose, shapes, sight, slope)
         planes = []
         for room_id, bare, mine in owners:
+            if np.count_nonzero(mine) < PLANES.min_share * labels.size:
+                continue  # specks at most, which take long to find
             mask = np.zeros(labels.shape, bool)
             mask[rows[mine], columns[mine]] = True
             mask = without_specks(mask)
@@ -73,9 +77,11 @@ def seen_planes(
 def shows_its_room(labels: np.ndarray, pose: Pose, shapes: Mapping[str, RoomShape]) -> bool:
     """Return whether a photo of labels (h, w) uint8 shows the room that its pose stands in.
 
-    Labels that contradict the pose (no plane) do not tell.
+    Labels that contradict the pose (no plane) do not tell. Every `COARSE`-th pixel is looked at.
     """
-    found = seen_planes(labels, pose, shapes)
+    size = labels.shape[0] // COARSE, labels.shape[1] // COARSE
+    small = cv2.resize(labels, size[::-1], interpolation=cv2.INTER_NEAREST)
+    found = seen_planes(small, replace(pose, camera=pose.camera.resized(size)), shapes)
     sizes = np.array([item.plane.mask.sum() for item in found])
     own = np.array([item.own for item in found], dtype=bool)
     return bool(sizes[own].sum() >= LOCATE.min_own * sizes.sum())
