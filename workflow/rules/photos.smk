@@ -134,9 +134,9 @@ rule doubts:
         f"logs/{DATASET}/doubts/{{house}}.log",
     benchmark:
         f"logs/{DATASET}/benchmarks/doubts/{{house}}.tsv"
+    priority: -1  # after what others wait for
     conda:
         "../../envs/plan2scene.yaml"
-    priority: -1  # after what others wait for
     threads: 1
     resources:
         mem_mb=800,
@@ -168,9 +168,9 @@ rule contact_sheet:
         f"logs/{DATASET}/contact_sheet/{{house}}.log",
     benchmark:
         f"logs/{DATASET}/benchmarks/contact_sheet/{{house}}.tsv"
+    priority: -1  # after what others wait for
     conda:
         "../../envs/plan2scene.yaml"
-    priority: -1  # after what others wait for
     threads: 1  # others of its house run beside it
     resources:
         mem_mb=1000,
