@@ -278,6 +278,13 @@ def given(**inputs):
 
 # Threads of a job: several if there are few houses, else one, since other houses' jobs run beside.
 HOUSE_THREADS = max(1, 4 // max(1, len(HOUSES)))
+# From so many photos on a stage beside which others of its house could run takes all threads.
+MANY_PHOTOS = 16
+
+
+def threads_by_photos(wildcards):
+    """Return the threads of a stage beside which others of its house can run."""
+    return HOUSE_THREADS if len(row_of(wildcards).photos) >= MANY_PHOTOS else 1
 
 
 def worker_memory(alone, each):

@@ -32,7 +32,7 @@ rule patterns:
         f"logs/{DATASET}/benchmarks/patterns/{{house}}.tsv"
     conda:
         "../../envs/plan2scene.yaml"
-    threads: HOUSE_THREADS
+    threads: threads_by_photos
     resources:
         mem_mb=worker_memory(1000, 500),
     params:
@@ -142,7 +142,7 @@ rule pictures:
         f"logs/{DATASET}/benchmarks/pictures/{{house}}.tsv"
     conda:
         "../../envs/plan2scene.yaml"
-    threads: HOUSE_THREADS
+    threads: threads_by_photos
     resources:
         mem_mb=worker_memory(1500, 300),
     params:
