@@ -24,5 +24,4 @@ with job(snakemake.log[0]):
         read_stage_json(inputs.rooms, "photo_rooms", house=house),
         files,
         house=house,
-        threads=snakemake.threads,
     )

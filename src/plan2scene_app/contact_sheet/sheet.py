@@ -23,7 +23,6 @@ from plan2scene.camera import Camera
 from plan2scene.errors import InputError
 from plan2scene.house import House
 from plan2scene.images import write_png
-from plan2scene.parallel import each
 from plan2scene.photos.camera.lines import SEGMENTS, read_segments
 from plan2scene.photos.labels.palette import LABELS, read_label_png
 from plan2scene.photos.locate.plan_view import RoomShape, room_shapes
@@ -101,7 +100,6 @@ def write_contact_sheet(
     files: SheetFiles,
     *,
     house: House,
-    threads: int = 1,
 ) -> dict[str, int]:
     """Write the sheet as a PNG and return how many windows are of each kind.
 
@@ -116,8 +114,6 @@ def write_contact_sheet(
         What is drawn.
     house : House
         The plan.
-    threads : int
-        Rows drawn at a time; the sheet does not depend on it.
 
     Returns
     -------
@@ -141,7 +137,7 @@ def write_contact_sheet(
         ImageDraw.Draw(sheet), legible(house.title, house.id), len(names), len(drawn), counts, every
     )
 
-    def row_of(name: str) -> np.ndarray:
+    def row_of(name: str) -> Image.Image:
         rooms = tuple(rooms_of_photo.get(name, ()))
         photo = SheetPhoto(name, rooms, windows.get(name, ()), pose=poses.get(name))
         photo = _with_pixels(photo, photos.get(name), masks, house.id)
@@ -154,10 +150,10 @@ def write_contact_sheet(
             photo = replace(photo, planes=tuple(own), segments=lines)
         row = Image.new("RGB", (WIDTH, ROW), PAPER)
         _draw_row(row, photo, labels, row_panels(photo, shapes))
-        return np.asarray(row)
+        return row
 
-    for k, pixels in enumerate(each(row_of, drawn, threads)):
-        sheet.paste(Image.fromarray(pixels), (0, HEADER + k * ROW))
+    for k, name in enumerate(drawn):
+        sheet.paste(row_of(name), (0, HEADER + k * ROW))
     write_png(output, np.asarray(sheet))
     return {"photos": len(drawn), **counts}
 
