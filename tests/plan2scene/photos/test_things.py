@@ -48,7 +48,7 @@ def test_a_photo_is_taken_outside_where_much_of_it_is() -> None:
 def test_a_thing_shows_in_a_part_of_a_photo_and_not_in_a_dot() -> None:
     grey = np.full((480, 640, 3), 100, np.uint8)
     teller = things.ThingKinds(_Colours())
-    np.testing.assert_allclose(teller.probabilities(grey), 1 / len(KINDS), atol=1e-2)
+    np.testing.assert_allclose(teller.probabilities(grey), 1 / len(KINDS), atol=1e-6)
     for colour, kind in (((255, 0, 0), "Kitchen"), ((0, 0, 255), "Bathroom")):
         large, dot = grey.copy(), grey.copy()
         large[200:, 100:500] = colour
