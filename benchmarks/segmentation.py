@@ -1,7 +1,7 @@
 """Scores of the embedded segmentation network on sets of photos with true labels, and its time.
 
     python benchmarks/segmentation.py --sets sets.csv [--model FILE] [--every N [--first K]]
-        [--photos] [--temperature T] [--wall LOGIT]
+        [--photos] [--temperature T] [--wall LOGIT] [--further FILE]
 
 The table of sets has the columns name, layout and path; without ``--sets`` the environment variable
 ``PLAN2SCENE_SEGMENTATION_SETS`` names it, and without that the demo's photos are scored. Layouts:
@@ -20,10 +20,12 @@ import argparse
 import os
 import time
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import torch
 
+from plan2scene.photos.labels.network import SegmentationNet
 from plan2scene.photos.labels.palette import LABELS, WALL
 from plan2scene.photos.labels.segmentation import Segmenter, load_segmenter
 from plan2scene.weights import MODELS
@@ -56,6 +58,7 @@ def seconds(segmenter: Segmenter, threads: int) -> float:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--model", type=Path, default=MODELS / "segmentation.safetensors")
+    parser.add_argument("--further", type=Path, help="a network beside the model's")
     parser.add_argument("--sets", type=Path, default=os.environ.get(VARIABLE))
     parser.add_argument("--every", type=int, default=1, help="of the photos of each set")
     parser.add_argument("--first", type=int, default=0, help="photo of each set to begin with")
@@ -68,6 +71,9 @@ def main() -> None:
     given = parser.parse_args()
     torch.set_num_threads(given.threads)
     segmenter = load_segmenter(given.model)
+    if given.further:
+        further = cast("SegmentationNet", load_segmenter(given.further).network)
+        segmenter = Segmenter(segmenter.network, further)
     constants = segmenter.network.architecture
     if given.temperature is not None:
         constants["temperature"] = given.temperature

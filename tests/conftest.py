@@ -31,4 +31,4 @@ def pytest_collection_modifyitems(items):
     items.sort(key=lambda item: place.get(item.path.stem, len(LONGEST)))
 
 
-pytest_plugins = ["sample_houses", "third_party"]
+pytest_plugins = ["fake_imagenet", "sample_houses", "third_party"]

@@ -19,6 +19,7 @@ from plan2scene.datasets.house_table import COLUMNS
 from plan2scene.errors import InputError, WorkflowError
 from plan2scene.images import decode_image, to_small_srgb
 from plan2scene.io import absent, atomic_path, safe_join, write_text
+from plan2scene.photos.labels.imagenet import imagenet_installed
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.plan_file import PlanFile
 from plan2scene.plans.validate import validate_house
@@ -272,6 +273,7 @@ def _write_config(request: SingleHouse, root: Path, work: Path) -> Path:
     house = {"method": request.method, "colours": request.colours, "walls": request.walls}
     config["house"] |= house
     config["photos"]["known_fov_deg"] = request.fov_deg
+    config["photos"]["masks"] = "imagenet" if imagenet_installed() else "embedded"
     config["floorplans"]["metres_per_pixel"] = request.metres_per_pixel
     config["floorplans"]["dxf_layers"] = dict(request.dxf_layers or {}) or None
     config["floorplans"]["names"] = (

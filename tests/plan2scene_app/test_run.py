@@ -75,3 +75,10 @@ def test_what_is_wanted_first_lies_there_before_the_rest_is_made(given, monkeypa
     plan = replace(request(given), plan=EXAMPLE, photo_table=None)
     runs.run(plan, given / "out", cores=1, first=("viewer.html",))
     assert seen == [[1, False], [5, viewer.stat().st_mtime_ns]]  # nor is it copied again
+
+
+@pytest.mark.parametrize(("installed", "masks"), [(True, "imagenet"), (False, "embedded")])
+def test_photos_are_labelled_by_the_best_that_is_installed(given, monkeypatch, installed, masks):
+    monkeypatch.setattr(runs, "imagenet_installed", lambda: installed)
+    config = prepare(request(given / "1"), ["a.jpg"], given / "work").read_text()
+    assert f"masks: {masks}" in config

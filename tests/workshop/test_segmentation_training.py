@@ -12,7 +12,7 @@ from PIL import Image
 from plan2scene.errors import InputError
 from plan2scene.images import write_png
 from plan2scene.io import write_json
-from plan2scene.photos.labels.network import Ensemble, SegmentationNet
+from plan2scene.photos.labels.network import Ensemble, ImagenetSegmentationNet, SegmentationNet
 from plan2scene.photos.labels.palette import (
     CEILING,
     DOOR,
@@ -31,7 +31,12 @@ from plan2scene_workshop.segmentation.data import (
     read_labelled_photos,
     scores,
 )
-from plan2scene_workshop.segmentation.run import averaged_runs, start_from, train_segmentation
+from plan2scene_workshop.segmentation.run import (
+    averaged_runs,
+    ensemble_of,
+    start_from,
+    train_segmentation,
+)
 from plan2scene_workshop.segmentation.settings import SegmentationSettings
 from plan2scene_workshop.segmentation.training import train_network
 
@@ -152,6 +157,30 @@ def test_a_trained_network_is_written_with_those_beside_it_and_the_next_starts_f
     save_model_file(other_file, tiny.state_dict(), tiny.architecture)
     with pytest.raises(InputError, match="shapes"):
         train_segmentation(tmp_path / "data", model, card, settings=settings, seed=0)
+
+
+def test_a_network_of_imagenet_adds_to_one_of_the_ensemble_that_training_starts_from(
+    tmp_path: Path, colours_as_imagenet: None
+) -> None:
+    _write_data_set(tmp_path / "data")
+    networks = [SegmentationNet(elevation=True, labels=len(LABELS_AND_OPENINGS)) for _ in range(2)]
+    ensemble = ensemble_of(networks)
+    start, model = tmp_path / "s.safetensors", tmp_path / "m.safetensors"
+    save_model_file(start, ensemble.state_dict(), ensemble.architecture)
+    settings = SegmentationSettings(
+        steps=1, batch=2, small=32, long_side=32, temperature=1.0, imagenet=True, member=1
+    )
+    data, card = tmp_path / "data", tmp_path / "m.md"
+    with pytest.raises(InputError, match="an ensemble, found null"):
+        train_segmentation(data, model, card, settings=settings, seed=0)
+    settings = dataclasses.replace(settings, start=str(start), fresh_learning_rate=1.0)
+    train_segmentation(data, model, card, settings=settings, seed=0)
+    found = load_segmenter(model).network
+    assert isinstance(found, ImagenetSegmentationNet)
+    own = networks[1].half().float().state_dict()
+    assert all(torch.equal(v, own[k]) for k, v in found.state_dict().items() if "stage" in k)
+    added = list(found.adapters[4].children())[-1]
+    assert added.bias.abs().max() > 0.5  # type: ignore[union-attr, operator]
 
 
 def test_normals_depth_and_openings_are_read_where_there_are_some(tmp_path: Path) -> None:

@@ -21,7 +21,7 @@ from plan2scene.datasets.house_table import (
 )
 from plan2scene.errors import InputError
 from plan2scene.images import SUFFIXES
-from plan2scene.photos.labels.things import things_installed
+from plan2scene.photos.labels.imagenet import imagenet_installed
 from plan2scene.plans.formats import reader_code
 from plan2scene.provenance import contents_hash, file_hash
 from plan2scene.workflow.closures import rule_code
@@ -184,7 +184,7 @@ def finds_rooms(wildcards):
         return None
     source = config["photos"]["kinds"]
     if source == "auto":
-        return "imagenet" if things_installed() else "embedded"
+        return "imagenet" if imagenet_installed() else "embedded"
     return source
 
 
@@ -362,17 +362,19 @@ def label_model():
 
     The shipped classifier of rooms works on features of the shipped network only.
     """
-    if config["photos"]["masks"] != "embedded":
+    source = config["photos"]["masks"]
+    if source not in ("embedded", "imagenet"):
         return {}
     own = config["models"].get("segmentation") and not config["models"].get("kinds")
     names = ["segmentation", *([] if own else ["kinds"])]
+    names += ["segmentation_imagenet"] if source == "imagenet" else []
     return {name: model_of(name) for name in names}
 
 
 def pretrained_files():
     """Return the files of a pretrained network in a local folder."""
     folder = config["photos"]["pretrained"]["path"]
-    if config["photos"]["masks"] in ("embedded", "precomputed") or not folder:
+    if config["photos"]["masks"] != "pretrained" or not folder:
         return []
     return sorted(
         str(path)

@@ -20,6 +20,7 @@ with job(snakemake.log[0]) as log:
         lambda: labeller(
             params.source,
             model=params.models.get("segmentation"),
+            imagenet=params.models.get("segmentation_imagenet"),
             kinds=params.models.get("kinds"),
             things=things,
             precomputed_dir=params.masks_folder,

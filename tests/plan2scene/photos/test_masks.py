@@ -79,7 +79,7 @@ def test_large_photos_and_their_masks_are_reduced_together(tmp_path: Path) -> No
 
 
 def test_labeller_refuses_unknown_source_and_missing_folder(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="embedded, precomputed, pretrained"):
+    with pytest.raises(InputError, match="embedded, imagenet, precomputed, pretrained"):
         labeller("guess", house_id="h")
     with pytest.raises(InputError, match=r"house h.*masks"):
         labeller("precomputed", precomputed_dir=tmp_path / "none", house_id="h")

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 import torch
 
-from plan2scene.errors import InputError
-from plan2scene.photos.labels import things
+from plan2scene.photos.labels import imagenet, things
 from plan2scene.photos.labels.labeller import labeller
 from plan2scene.photos.labels.palette import KINDS, write_label_png
 
@@ -61,27 +59,10 @@ def test_a_thing_shows_in_a_part_of_a_photo_and_not_in_a_dot() -> None:
 
 
 def test_the_kinds_of_a_labeller_are_those_of_things(tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr(things, "load_things", lambda: things.ThingKinds(_Colours()))
+    monkeypatch.setattr(imagenet, "load_imagenet", _Colours)
     write_label_png(tmp_path / "a.png", np.zeros((64, 96), np.uint8))
     found = labeller("precomputed", precomputed_dir=tmp_path, things=True, house_id="h")
     red = np.full((64, 96, 3), (255, 0, 0), np.uint8)
     assert found.kinds is not None
     assert _kind(found.kinds(red)) == "Kitchen"
     assert not found.label("a.jpg", red, None).labels.any()
-
-
-def test_without_the_extra_one_line_names_it(monkeypatch) -> None:
-    monkeypatch.setattr(things, "find_spec", lambda _name: None)
-    assert not things.things_installed()
-    with pytest.raises(InputError, match="install the extra 'rooms'"):
-        things.load_things()
-
-
-def test_the_network_of_the_extra_sees_nothing_in_a_grey_picture(monkeypatch) -> None:
-    pytest.importorskip(things.NETWORK)
-    pytest.importorskip(things.WEIGHTS)
-    grey = np.full((240, 320, 3), 128, np.uint8)
-    assert things.load_things().probabilities(grey).max() < 0.5
-    monkeypatch.setattr(things, "SHA256", "0" * 64)
-    with pytest.raises(InputError, match=r"expected weights of SHA-256 0{64}, found 5793"):
-        things.load_things()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -19,8 +20,11 @@ from plan2scene.photos.labels.palette import (
     labels_from_folder,
 )
 
+if TYPE_CHECKING:
+    from plan2scene.photos.labels.network import SegmentationNet
+
 #: Where masks may come from (config key ``photos.masks``).
-SOURCES = ("embedded", "precomputed", "pretrained")
+SOURCES = ("embedded", "imagenet", "precomputed", "pretrained")
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +76,7 @@ def labeller(
     source: str,
     *,
     model: str | Path | None = None,
+    imagenet: str | Path | None = None,
     kinds: str | Path | None = None,
     things: bool = False,
     precomputed_dir: str | Path | None = None,
@@ -80,19 +85,22 @@ def labeller(
     threads: int | None = None,
     house_id: str = "",
 ) -> Labeller:
-    """Return what labels a photo, by source: ``embedded``, ``precomputed`` or ``pretrained``.
+    """Return what labels a photo, by source: a name of :data:`SOURCES`.
 
     Embedded takes the safetensors file `model`, that of the classifier of rooms, `kinds`, which
     reads the network of `model`, and `things`: whether things in the rooms tell their use, too
-    (extra ``rooms``). Precomputed takes the folder of ``{stem}.png``. Pretrained takes the fields
-    of `pretrained.Checkpoint`. With `openings` doors are labelled 4 and windows 5, where the source
-    labels them; else they are other. `threads` are those of a network; torch's choice by default.
+    (extra ``rooms``). Imagenet takes a file more, `imagenet`, of a network beside those of `model`
+    (same extra). Precomputed takes the folder of ``{stem}.png``. Pretrained takes
+    the fields of `pretrained.Checkpoint`. With `openings` doors are labelled 4 and windows 5, where
+    the source labels them; else they are other. `threads` are those of a network; torch's choice by
+    default.
 
     Raises InputError when the source is unknown or what it needs is missing.
     """
     if source not in SOURCES:
         raise InputError(f"a mask source of {', '.join(SOURCES)}", source, house=house_id)
-    if source != "precomputed" and not (pretrained if source == "pretrained" else model):
+    needed = {"imagenet": model and imagenet, "pretrained": pretrained}.get(source, model)
+    if source != "precomputed" and not needed:
         raise InputError(f"a model for mask source {source}", "none", house=house_id)
     if threads is not None and (things or source != "precomputed"):
         import torch
@@ -106,7 +114,7 @@ def labeller(
         ade20k = load_pretrained(Checkpoint(**pretrained))
         found = Labeller(lambda _photo, image, _camera: Labelled(ade20k.labels(image)))
     else:
-        found = _embedded(str(model), kinds, openings)
+        found = _embedded(str(model), imagenet if source == "imagenet" else None, kinds, openings)
     return replace(found, kinds=_by_things(found.kinds)) if things else found
 
 
@@ -114,9 +122,10 @@ def _by_things(
     kinds: Callable[[np.ndarray], np.ndarray] | None,
 ) -> Callable[[np.ndarray], np.ndarray]:
     """Return what tells kinds by the things in a photo and, as another witness, by `kinds`."""
-    from plan2scene.photos.labels.things import load_things
+    from plan2scene.photos.labels.imagenet import load_imagenet
+    from plan2scene.photos.labels.things import ThingKinds
 
-    things = load_things()
+    things = ThingKinds(load_imagenet())
 
     def joined(image: np.ndarray) -> np.ndarray:
         if things.outside(image):
@@ -127,12 +136,22 @@ def _by_things(
     return joined
 
 
-def _embedded(model: str, kinds: str | Path | None, openings: bool) -> Labeller:
-    """Return the network of a weights file, and the classifier of another."""
+def _embedded(
+    model: str, imagenet: str | Path | None, kinds: str | Path | None, openings: bool
+) -> Labeller:
+    """Return the network of a weights file, one that another adds, and a third's classifier."""
     from plan2scene.photos.labels.kinds import load_kinds
-    from plan2scene.photos.labels.segmentation import labels_of, load_segmenter, probabilities_of
+    from plan2scene.photos.labels.segmentation import (
+        Segmenter,
+        labels_of,
+        load_segmenter,
+        probabilities_of,
+    )
 
-    segmenter = load_segmenter(model)
+    own = segmenter = load_segmenter(model)
+    if imagenet:
+        further = cast("SegmentationNet", load_segmenter(imagenet).network)
+        segmenter = Segmenter(own.network, further)
 
     def label(_photo: str, image: np.ndarray, camera: Camera | None) -> Labelled:
         logits = segmenter.logits(image, camera)
@@ -141,7 +160,7 @@ def _embedded(model: str, kinds: str | Path | None, openings: bool) -> Labeller:
         tells = len(logits) == len(LABELS_AND_OPENINGS)
         return Labelled(labels, probabilities_of(opened) if tells else None)
 
-    tell = load_kinds(kinds, segmenter) if kinds else None
+    tell = load_kinds(kinds, own) if kinds else None
     return Labeller(label, segmenter.draft if segmenter.network.elevation else None, tell)
 
 

@@ -16,6 +16,8 @@ from torch import nn
 from torch.nn import functional as F
 from torch.nn.utils.fusion import fuse_conv_bn_eval
 
+from plan2scene.photos.labels.imagenet import BLOCKS, imagenet_maps, load_imagenet
+
 #: Mean and standard deviation of sRGB values in [0, 1] that the network's input is scaled by.
 _MEAN, _STD = 0.5, 0.25
 
@@ -195,6 +197,13 @@ class SegmentationNet(nn.Module):
 
     def encoded(self, x: torch.Tensor, elevation: torch.Tensor | None = None) -> list[torch.Tensor]:
         """Return the encoder's maps at strides 2, 4, 8, 16 and 32; arguments as of the network."""
+        *skips, y = self._maps_of_encoder(x, elevation)
+        return [*skips, self.attention(self.context(y))]
+
+    def _maps_of_encoder(
+        self, x: torch.Tensor, elevation: torch.Tensor | None
+    ) -> list[torch.Tensor]:
+        """Return :meth:`encoded` before places tell each other what they see."""
         n, _, h, w = x.shape
         rows = torch.linspace(-1, 1, h, device=x.device).view(1, 1, h, 1).expand(n, 1, h, w)
         columns = torch.linspace(-1, 1, w, device=x.device).view(1, 1, 1, w).expand(n, 1, h, w)
@@ -209,7 +218,7 @@ class SegmentationNet(nn.Module):
         for stage in self.stages:
             y = stage(y)
             encoded.append(y)
-        return [*encoded[:-1], self.attention(self.context(y))]
+        return encoded
 
     def maps(self, x: torch.Tensor, elevation: torch.Tensor | None = None) -> list[torch.Tensor]:
         """Return the decoder's maps at strides 16, 8, 4 and 2; arguments as of the network."""
@@ -230,6 +239,60 @@ class SegmentationNet(nn.Module):
         """
         logits: torch.Tensor = self.head(self.maps(x, elevation)[-1])
         return logits
+
+
+class ImagenetSegmentationNet(SegmentationNet):
+    """A :class:`SegmentationNet` to whose encoder's maps a network of ImageNet adds something.
+
+    No rendering tells what all real things look like. Both encoders stay as they are in training:
+    what is added at each stride is learned, beginning with nothing, and the decoder goes on. Shapes
+    as there. The weights of the other encoder (:mod:`.imagenet`) are none of the state.
+    """
+
+    #: In training: chances that a view is seen by one encoder alone, at strides 16 and 32 by the
+    #: other one, at all strides by the own one, so that neither is all that counts.
+    alone = (0.25, 0.15)
+
+    def __init__(self, **architecture: Any) -> None:
+        super().__init__(**architecture)
+        self.architecture["imagenet"] = True
+        self._imagenet = (load_imagenet(),)  # in a tuple, or it would be of the state
+        self.adapters = nn.ModuleList(
+            nn.Sequential(
+                nn.BatchNorm2d(n_in),
+                nn.Conv2d(n_in, n_out, 1),
+                nn.Hardswish(),
+                nn.Conv2d(n_out, n_out, 1),
+            )
+            for n_in, n_out in zip(BLOCKS.values(), self.architecture["widths"], strict=True)
+        )
+        for adapter in self.adapters:
+            for parameter in list(adapter.children())[-1].parameters():
+                nn.init.zeros_(parameter)
+        self.stem.requires_grad_(False)
+        self.stages.requires_grad_(False)
+
+    def train(self, mode: bool = True) -> ImagenetSegmentationNet:
+        """Set training mode of all but the encoder."""
+        super().train(mode)
+        self.stem.eval()
+        self.stages.eval()
+        return self
+
+    def _maps_of_encoder(
+        self, x: torch.Tensor, elevation: torch.Tensor | None
+    ) -> list[torch.Tensor]:
+        with torch.no_grad():
+            own = super()._maps_of_encoder(x, elevation)
+            other = imagenet_maps(self._imagenet[0], x)
+        chance = torch.full((1, 1, 1, 1), 0.5, device=x.device)
+        if self.training:
+            chance = torch.rand(len(x), 1, 1, 1, device=x.device)
+        mine, theirs = chance >= self.alone[0], chance < 1.0 - self.alone[1]
+        return [
+            (own[k] * mine if k >= 3 else own[k]) + adapter(other[k]) * theirs
+            for k, adapter in enumerate(self.adapters)
+        ]
 
 
 MOST_MEMBERS = 8  #: Most networks of an ensemble, since the file may come from a stranger

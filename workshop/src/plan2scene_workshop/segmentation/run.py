@@ -8,13 +8,13 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import torch
 from torch import nn
 
 from plan2scene.errors import InputError
-from plan2scene.photos.labels.network import Ensemble, SegmentationNet
+from plan2scene.photos.labels.network import Ensemble, ImagenetSegmentationNet, SegmentationNet
 from plan2scene.photos.labels.palette import LABELS, LABELS_AND_OPENINGS
 from plan2scene.photos.labels.segmentation import SCALES, Network, load_segmenter
 from plan2scene.provenance import file_hash
@@ -157,6 +157,8 @@ def _check(settings: SegmentationSettings) -> None:
 def _begun(settings: SegmentationSettings, seed: int) -> SegmentationNet:
     """Return the network that runs start from."""
     torch.manual_seed(derive_seed(seed, "segmentation", "weights"))
+    if settings.imagenet:
+        return _with_imagenet(settings)
     network = SegmentationNet(
         attention=settings.attention,
         long_side=settings.long_side,
@@ -166,6 +168,20 @@ def _begun(settings: SegmentationSettings, seed: int) -> SegmentationNet:
     )
     if settings.start:
         start_from(network, settings.start)
+    return network
+
+
+def _with_imagenet(settings: SegmentationSettings) -> ImagenetSegmentationNet:
+    """Return a network of the weights to start from, to which that of ImageNet adds nothing yet."""
+    expected = "training.segmentation.start: weights of an ensemble"
+    if settings.start is None:
+        raise InputError(expected, "null")
+    ensemble = load_segmenter(settings.start).network
+    if not isinstance(ensemble, Ensemble) or not 0 <= settings.member < len(ensemble.members):
+        raise InputError(f"{expected} of more than {settings.member} networks", settings.start)
+    own = cast("SegmentationNet", ensemble.members[settings.member])
+    network = ImagenetSegmentationNet(**own.architecture)
+    network.load_state_dict(own.state_dict(), strict=False)
     return network
 
 

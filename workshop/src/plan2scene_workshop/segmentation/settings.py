@@ -11,6 +11,10 @@ class SegmentationSettings:
 
     #: Weights file that training starts from, of a network of the same widths; null: random ones.
     start: str | None = None
+    #: Whether a network of ImageNet (extra ``rooms``) adds to the maps of an encoder that stays as
+    #: it is in network `member` of the ensemble `start`.
+    imagenet: bool = False
+    member: int = 0
     #: Share of the weights to start from in what is kept: what they know of photos that renderings
     #: do not show is forgotten otherwise (WiSE-FT, doi 10.1109/CVPR52688.2022.00780).
     start_share: float = 0.0
@@ -47,6 +51,8 @@ class SegmentationSettings:
         0  #: step after which a run ends though the rate has not fallen all the way; 0: none
     )
     learning_rate: float = 3e-3  #: at the peak
+    #: The same of what starts from nothing, where there are weights to start from; null: no other.
+    fresh_learning_rate: float | None = None
     weight_decay: float = 0.02  #: of all but norms and biases
     clip_norm: float = 5.0  #: of the gradient
     ema_decay: float = 0.998  #: of the averaged weights, which are what is kept

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import re
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
@@ -37,6 +38,8 @@ from plan2scene_workshop.segmentation.settings import SegmentationSettings
 from plan2scene_workshop.training.loop import Trained, Trainer, TrainerOptions, best_device, cosine
 
 _Drawn = TypeVar("_Drawn")
+#: Parameters that no weights to start from hold.
+_FRESH = re.compile("adapters|geometry")
 
 
 def estimated_cameras(photos: Sequence[LabelledPhoto]) -> list[Camera | None]:
@@ -104,7 +107,9 @@ def train_network(
         bfloat16=settings.bfloat16,
     )
     optimiser = torch.optim.AdamW(
-        parameter_groups(whole if told else network, settings.weight_decay),
+        parameter_groups(
+            whole if told else network, settings.weight_decay, settings.fresh_learning_rate
+        ),
         lr=settings.learning_rate,
     )
     cameras = estimated_cameras(held_out)
@@ -223,11 +228,20 @@ def take_statistics(
         norm.momentum = momentum
 
 
-def parameter_groups(network: nn.Module, decay: float) -> list[dict[str, Any]]:
-    """Return optimiser groups: no weight decay on norms and biases."""
-    decayed = [p for p in network.parameters() if p.ndim > 1]
-    free = [p for p in network.parameters() if p.ndim <= 1]
-    return [{"params": decayed, "weight_decay": decay}, {"params": free, "weight_decay": 0.0}]
+def parameter_groups(
+    network: nn.Module, decay: float, fresh_rate: float | None = None
+) -> list[dict[str, Any]]:
+    """Return optimiser groups: no weight decay on norms and biases, a rate for what is fresh."""
+    trained = [(name, p) for name, p in network.named_parameters() if p.requires_grad]
+    fresh = {name for name, _ in trained if fresh_rate and _FRESH.search(name)}
+    groups = []
+    for rate, own in (
+        ({"lr": fresh_rate}, [p for name, p in trained if name in fresh]),
+        ({}, [p for name, p in trained if name not in fresh]),
+    ):
+        groups.append({"params": [p for p in own if p.ndim > 1], "weight_decay": decay} | rate)
+        groups.append({"params": [p for p in own if p.ndim <= 1], "weight_decay": 0.0} | rate)
+    return [group for group in groups if group["params"]]
 
 
 def draw_batch(
