@@ -90,10 +90,9 @@ def labeller(
     Embedded takes the safetensors file `model`, that of the classifier of rooms, `kinds`, which
     reads the network of `model`, and `things`: whether things in the rooms tell their use, too
     (extra ``rooms``). Imagenet takes a file more, `imagenet`, of a network beside those of `model`
-    (same extra). Precomputed takes the folder of ``{stem}.png``. Pretrained takes
-    the fields of `pretrained.Checkpoint`. With `openings` doors are labelled 4 and windows 5, where
-    the source labels them; else they are other. `threads` are those of a network; torch's choice by
-    default.
+    (same extra). Precomputed takes the folder of ``{stem}.png``. Pretrained takes the fields of
+    `pretrained.Checkpoint`. With `openings` doors are labelled 4 and windows 5, where the source
+    labels them; else they are other. `threads` are those of a network; torch's choice by default.
 
     Raises InputError when the source is unknown or what it needs is missing.
     """

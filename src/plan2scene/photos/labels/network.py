@@ -284,7 +284,7 @@ class ImagenetSegmentationNet(SegmentationNet):
     ) -> list[torch.Tensor]:
         with torch.no_grad():
             own = super()._maps_of_encoder(x, elevation)
-            other = imagenet_maps(self._imagenet[0], x)
+            other = imagenet_maps(self._imagenet[0].to(x.device), x)
         chance = torch.full((1, 1, 1, 1), 0.5, device=x.device)
         if self.training:
             chance = torch.rand(len(x), 1, 1, 1, device=x.device)
