@@ -52,6 +52,8 @@ def test_a_file_holds_no_weights_of_imagenet_and_the_labeller_takes_it_beside_it
     with torch.no_grad():
         for adapter in more.adapters:
             adapter[-1].bias.normal_()
+    added_names = more.state_dict().keys() - second.state_dict().keys()
+    assert all(name.startswith("adapters.") for name in added_names)
     own, added = tmp_path / "own.safetensors", tmp_path / "added.safetensors"
     ensemble = ensemble_of([first, second])
     save_model_file(own, ensemble.state_dict(), ensemble.architecture, half=False)

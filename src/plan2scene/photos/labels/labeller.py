@@ -138,7 +138,10 @@ def _by_things(
 def _embedded(
     model: str, imagenet: str | Path | None, kinds: str | Path | None, openings: bool
 ) -> Labeller:
-    """Return the network of a weights file, one that another adds, and a third's classifier."""
+    """Return what labels by the networks of `model` and, if given, `imagenet`.
+
+    Rooms' kinds are told by the classifier of `kinds`, from the networks of `model` alone.
+    """
     from plan2scene.photos.labels.kinds import load_kinds
     from plan2scene.photos.labels.segmentation import (
         Segmenter,
