@@ -36,6 +36,8 @@ SURFACES = ("floor", "wall", "ceiling")
 #: Substances in the order of the substance head's logits.
 SUBSTANCES = ("wood", "plaster", "carpet", "tile")
 DEFAULT_HEIGHT = 2.8  #: Height in metres of a room whose plan gives none
+#: Where the heights of ceilings come from, if not from the plan: :attr:`House.heights`.
+USUAL, FROM_PHOTOS = "usual", "photos"
 #: Kinds of opening. A passage is a door-sized or wider hole without a leaf.
 OPENING_KINDS = ("door", "window", "passage")
 
@@ -214,6 +216,8 @@ class House:
     have a texture of their own on one side. `door_colours` are the sRGB
     colours of door leaves by the id of their opening, `trim_colours` those of skirting and frames
     by room; that of the id "" holds for all others. `name` is what people call the house.
+    `heights` says where those of its ceilings come from: empty for the plan, `USUAL` where that
+    gives none, `FROM_PHOTOS` where photos then told them.
     """
 
     id: str
@@ -228,6 +232,7 @@ class House:
     door_colours: tuple[tuple[str, tuple[int, int, int]], ...] = ()
     trim_colours: tuple[tuple[str, tuple[int, int, int]], ...] = ()
     name: str = ""
+    heights: str = ""
     warnings: tuple[str, ...] = field(default=(), compare=False)
 
     @property

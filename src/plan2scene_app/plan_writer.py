@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from plan2scene.house import House, Level, Point, Stairs
+from plan2scene.house import USUAL, House, Level, Point, Stairs
 from plan2scene.plans.geometry import point_along, room_polygon
 from plan2scene.plans.plan_json import DEFAULT_DEPTH, FORMAT, SNAP_TOLERANCE, plan_schema
 from plan2scene.plans.wall_sides import find_openings, room_sides
@@ -37,6 +37,7 @@ def house_to_plan(house: House) -> dict[str, Any]:
     plan: dict[str, Any] = {"format": FORMAT, "version": 1}
     plan |= {"name": house.name} if house.name else {}
     plan["wall_depth"] = round(depth, _DIGITS)
+    plan |= {"heights": USUAL} if house.heights else {}
     if house.levels:
         plan["levels"] = [_level_entry(level) for level in house.levels]
     plan.update(rooms=rooms, openings=_opening_entries(house))

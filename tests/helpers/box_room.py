@@ -38,7 +38,8 @@ def rendered(house, camera, eye):
     y, x = np.mgrid[0 : SIZE[0], 0 : SIZE[1]]
     rays = camera.rays(np.stack([x, y], axis=-1))
     corners = np.array(house.rooms[0].rings[0])
-    low, high = (np.array([p[0], h, p[1]]) for p, h in ((corners[0], 0.0), (corners[2], HEIGHT)))
+    top = house.rooms[0].height
+    low, high = (np.array([p[0], h, p[1]]) for p, h in ((corners[0], 0.0), (corners[2], top)))
     with np.errstate(divide="ignore"):
         reach = np.where(rays > 0, (high - eye) / rays, (low - eye) / rays)
     axis = reach.argmin(axis=-1)

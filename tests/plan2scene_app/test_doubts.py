@@ -3,12 +3,15 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from box_room import box_house
 from browser import chromium, serious_violations
 
 from plan2scene.datasets.assignments import read_rows
+from plan2scene.house import FROM_PHOTOS, USUAL
 from plan2scene.images import write_png
 from plan2scene.io import write_json
+from plan2scene.plans.levels import with_ceilings
 from plan2scene_app.doubts.page import DoubtFiles, PlacedPhoto, doubt_lines, write_doubts
 
 
@@ -98,3 +101,11 @@ def test_photos_without_any_place_are_the_first_doubt():
         "plan: the scale is a guess",
         "photo c left out",
     ]
+
+
+@pytest.mark.parametrize(
+    ("heights", "why"), [(USUAL, "as usual: no photo shows them"), (FROM_PHOTOS, "as photos show")]
+)
+def test_heights_that_the_plan_does_not_tell_are_a_doubt(heights, why):
+    house = replace(with_ceilings(box_house(), 2.43), heights=heights)
+    assert f"the plan tells no heights: ceilings at 2.43 m, {why}" in doubt_lines(house, [], [], [])

@@ -16,8 +16,12 @@ import pytest
 from clones import DEMO, Clone, demo_rows, make_clone, photos_of, write_table
 from PIL import Image
 
+from plan2scene.house import FROM_PHOTOS, USUAL
 from plan2scene.images import read_image
 from plan2scene.io import read_parquet
+from plan2scene.plans.formats import read_plan
+from plan2scene.plans.scene_json import read_scene_json
+from plan2scene_app.plan_writer import house_to_plan
 
 GOOD = demo_rows()[0] if (DEMO / "houses.tsv").is_file() else {}
 HOUSES = Path("results/tiny/houses")
@@ -137,6 +141,15 @@ def drawn(path: Path) -> None:
     cv2.imwrite(str(path), image)
 
 
+def unmeasured(path: Path) -> None:
+    """Turn a plan into one that tells no height of ceilings, in our own format."""
+    plan = house_to_plan(read_plan(path, "unmeasured"))
+    plan["heights"] = USUAL
+    for room in plan["rooms"]:
+        del room["height"]
+    path.write_text(json.dumps(plan))
+
+
 @pytest.fixture(scope="module")
 def broken(tmp_path_factory, toy_site) -> tuple[Clone, str]:
     """Run the houses together; return clone and output."""
@@ -155,8 +168,10 @@ def broken(tmp_path_factory, toy_site) -> tuple[Clone, str]:
     for name, damage in {"odd": odd, **{name: case[0] for name, case in CASES.items()}}.items():
         rows.append(renamed(GOOD, name, data))
         damage(data, rows[-1])
+    rows.append(renamed(GOOD, "unmeasured", data))
+    unmeasured(data / rows[-1]["plan"])
     write_table(data, rows)
-    targets = [HOUSES / name / "scene.json" for name in ("traced", *CASES)]
+    targets = [HOUSES / name / "scene.json" for name in ("traced", "unmeasured", *CASES)]
     targets += [HOUSES / "odd" / name for name in ("crops.parquet", "contact_sheet.png")]
     targets.append(Path("results/tiny/drop_0.0/toy/toy/textures"))
     run = clone.snakemake("--keep-going", "--", *map(str, targets))
@@ -210,6 +225,19 @@ def test_a_plan_that_is_a_picture_is_traced_before_it_is_read(broken):
     folder = broken[0].root / HOUSES / "traced"
     made = {path.name for path in folder.iterdir() if path.is_file()}
     assert {"scene.json", "plan.json", "plan.overlay.png", "plan.doubts.txt"} <= made
+
+
+def test_photos_tell_how_high_a_house_is_whose_plan_does_not(broken):
+    folder = broken[0].root / HOUSES / "unmeasured"
+    drawn_as, made = (
+        read_scene_json(folder / name, "unmeasured") for name in ("drawn.scene.json", "scene.json")
+    )
+    assert (drawn_as.heights, made.heights) == (USUAL, FROM_PHOTOS)
+    true = read_plan(DEMO / GOOD["plan"], "unmeasured").rooms[0].height
+    assert {room.height for room in drawn_as.rooms} == {2.8}
+    assert made.rooms[0].height == pytest.approx(true, abs=0.08)
+    # Houses whose plans tell their heights have no such job.
+    assert not (folder.parent / "empty_table" / "drawn.scene.json").exists()
 
 
 def test_another_package_reads_a_plan_and_makes_textures_by_name(broken):

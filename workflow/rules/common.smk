@@ -3,6 +3,7 @@
 import functools
 import json
 import os
+import re
 import shlex
 import sys
 from pathlib import Path
@@ -22,7 +23,7 @@ from plan2scene.datasets.house_table import (
 from plan2scene.errors import InputError
 from plan2scene.images import SUFFIXES
 from plan2scene.photos.labels.imagenet import imagenet_installed
-from plan2scene.plans.formats import reader_code
+from plan2scene.plans.formats import may_lack_heights, reader_code
 from plan2scene.provenance import contents_hash, file_hash
 from plan2scene.workflow.closures import rule_code
 from plan2scene.workflow.slurm import check_cluster
@@ -151,6 +152,14 @@ def is_traced(wildcards):
     """Return whether a house's plan is a picture, which rule trace turns into a plan."""
     path = DATA_ROOT / row_of(wildcards).plan
     return path.suffix.lower() in SUFFIXES and path.is_file()
+
+
+def lacks_heights(row):
+    """Return whether photos have to tell how high a house is, since its plan may not."""
+    path = DATA_ROOT / row.plan
+    if not (HAS_MASKS and row.photos and path.is_file()):
+        return False
+    return path.suffix.lower() in SUFFIXES or may_lack_heights(path)
 
 
 def trace_files(wildcards):
@@ -316,6 +325,9 @@ HAS_MASKS = CROPS["source"] != "precomputed"
 MASKS = f"{RESULTS}/houses/{{house}}/masks"
 CAMERAS = f"{RESULTS}/houses/{{house}}/cameras.json"
 PATTERNS = f"{RESULTS}/houses/{{house}}/patterns.parquet"
+HOUSES_WITHOUT_HEIGHTS = [
+    row.house for row in TABLE.houses.values() if lacks_heights(row)
+]
 
 
 def metric_model(network):

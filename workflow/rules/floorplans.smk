@@ -29,6 +29,45 @@ rule floorplan:
         "../scripts/floorplan.py"
 
 
+use rule floorplan as drawn_floorplan with:
+    output:
+        f"{RESULTS}/houses/{{house}}/drawn.scene.json",
+    log:
+        f"logs/{DATASET}/drawn_floorplan/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/drawn_floorplan/{{house}}.tsv"
+
+
+ruleorder: ceilings > floorplan
+
+
+rule ceilings:
+    input:
+        drawn=f"{RESULTS}/houses/{{house}}/drawn.scene.json",
+        masks=MASKS,
+        assignment=assignment_of,
+    output:
+        f"{RESULTS}/houses/{{house}}/scene.json",
+    log:
+        f"logs/{DATASET}/ceilings/{{house}}.log",
+    benchmark:
+        f"logs/{DATASET}/benchmarks/ceilings/{{house}}.tsv"
+    # Heights of ceilings, which the plans of these houses may lack, by their photos.
+    wildcard_constraints:
+        house="|".join(map(re.escape, HOUSES_WITHOUT_HEIGHTS)) or "(?!)",
+    conda:
+        "../../envs/plan2scene.yaml"
+    threads: HOUSE_THREADS
+    resources:
+        mem_mb=worker_memory(1000, 300),
+    params:
+        traced=is_traced,
+        contents=contents_of(assignment_of),
+        code=rule_code("ceilings"),
+    script:
+        "../scripts/ceilings.py"
+
+
 rule trace:
     # A plan from a picture: the plan network finds rooms and openings, text gives scale and names.
     input:

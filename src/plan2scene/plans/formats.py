@@ -31,6 +31,13 @@ def reader_code(suffix: str) -> list[str]:
     return code_of(GROUP, PlanFormat, *(named or plugins(GROUP, PlanFormat)))
 
 
+def may_lack_heights(path: Path) -> bool:
+    """Return whether a plan may tell no heights of ceilings, by a file's name and first bytes."""
+    plan = PlanFile(path, "")
+    suffix = path.suffix.lower()
+    return any(item.lacks_heights(plan) for item in plan_formats() if suffix in item.suffixes)
+
+
 def format_of(plan: PlanFile) -> PlanFormat | None:
     """Return the format of a file by its content; None for none of them."""
     for entry in plan_formats():

@@ -119,7 +119,8 @@ class PlanFormat:
     a `fallback` are asked after all others. A format that `needs_scale` is drawn in pixels:
     `metres_per_pixel` must be given. Of a format whose scale may be given, `look` tells how large
     it is drawn, and the layers of DXF. `suffixes` are the file names' usual ends, lower case.
-    `needs` is what pip installs for it beside its own package's dependencies.
+    `needs` is what pip installs for it beside its own package's dependencies. `lacks_heights`
+    tells by a file's first bytes whether its plan may tell no heights of ceilings.
     """
 
     name: str
@@ -130,3 +131,4 @@ class PlanFormat:
     fallback: bool = False
     look: Callable[[PlanFile], Unscaled] | None = None
     needs: str = ""
+    lacks_heights: Callable[[PlanFile], bool] = lambda _: False

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from plan2scene.errors import InputError
-from plan2scene.house import DEFAULT_HEIGHT, House, Level, Room, Stairs, Wall
+from plan2scene.house import DEFAULT_HEIGHT, USUAL, House, Level, Room, Stairs, Wall
 from plan2scene.plans.geometry import find_doors, walls_of_rooms
 from plan2scene.plans.levels import level_of, linked, read_flight, read_levels, used_levels
 from plan2scene.plans.openings import Segment, place_openings
@@ -42,6 +42,7 @@ def house_of_plan(document: Any, house_id: str, *, file: str = "") -> House:
     _check_schema(source, document)
     levels = read_levels(source, document)
     heights = {level.id: level.height for level in levels}
+    told = any("height" in entry for key in ("rooms", "levels") for entry in document.get(key, []))
     rooms = []
     for entry in document["rooms"]:
         rings = [
@@ -66,6 +67,7 @@ def house_of_plan(document: Any, house_id: str, *, file: str = "") -> House:
         levels=levels,
         stairs=linked(_stairs(source, document.get("stairs", []), levels), rooms, levels),
         name=source.shown_name(document.get("name")),
+        heights="" if told and document.get("heights") != USUAL else USUAL,
         warnings=tuple(source.warnings),
     )
 
@@ -189,4 +191,5 @@ PLAN_FORMAT = PlanFormat(
     lambda plan: isinstance(plan.document, dict) and str(plan.document.get("format")) == FORMAT,
     lambda plan: house_of_plan(plan.document, plan.house_id, file=str(plan.path)),
     suffixes=(".json",),
+    lacks_heights=lambda plan: FORMAT.encode() in plan.head,
 )

@@ -13,7 +13,9 @@ from typing import Any
 
 from plan2scene.house import (
     DEFAULT_HEIGHT,
+    FROM_PHOTOS,
     GROUND,
+    USUAL,
     Door,
     House,
     IconBox,
@@ -252,6 +254,7 @@ def house_of_scene(document: Any, house_id: str, *, file: str = "") -> House:
         levels=levels,
         stairs=linked(read_stairs(source, arch, levels), tuple(rooms.values()), levels),
         name=source.shown_name(arch.get("name")),
+        heights=next((told for told in (USUAL, FROM_PHOTOS) if told == arch.get("heights")), ""),
         warnings=tuple(source.warnings),
     )
 

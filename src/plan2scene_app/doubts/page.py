@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 
 from plan2scene.errors import InputError
-from plan2scene.house import House, Room
+from plan2scene.house import FROM_PHOTOS, House, Room
 from plan2scene.images import read_image, read_reduced_image
 from plan2scene.io import atomic_path, read_text
 from plan2scene.photos.locate.pose import read_poses
@@ -163,6 +163,9 @@ def doubt_lines(
     elif 2 * idle > len(placed):
         yield f"the house is made without {idle} of {len(placed)} photos: their rooms are not sure"
     yield from (f"plan: {line}" for line in traced)
+    if house.heights:
+        why = "as photos show" if house.heights == FROM_PHOTOS else "as usual: no photo shows them"
+        yield f"the plan tells no heights: ceilings at {house.rooms[0].height:.2f} m, {why}"
     yield from left_out
     if lost and used:
         yield f"no room is found for {', '.join(lost)}"

@@ -282,11 +282,12 @@ export class App {
   }
 }
 
-/** A plan with all that the reader takes for granted: heights, thickness, ids of openings and stairs. */
+/** A plan with all that the reader takes for granted: heights, thickness, ids of openings and stairs; "heights" says so where none was told. */
 export function completed(plan, { limits }) {
   const heights = new Map((plan.levels ?? []).map((level) => [level.id, level.height ?? limits.default_height]));
   const rooms = plan.rooms.map((room) => ({ ...room, height: room.height ?? heights.get(room.level) ?? limits.default_height }));
   const found = { ...plan, wall_depth: plan.wall_depth ?? limits.default_depth, rooms, openings: (plan.openings ?? []).map((o, k) => ({ ...o, id: entryId(o, k, "opening") })) };
+  if (![...plan.rooms, ...(plan.levels ?? [])].some((entry) => entry.height !== undefined)) found.heights = "usual";
   if (plan.levels) found.levels = plan.levels.map((level) => ({ ...level, height: heights.get(level.id) }));
   if (plan.stairs) found.stairs = plan.stairs.map((s, k) => ({ ...s, id: entryId(s, k, "stairs") }));
   return found;

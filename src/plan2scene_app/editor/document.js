@@ -4,7 +4,7 @@
 import { freeId, levelsOf, merged, sliceOf } from "./storeys.js";
 
 export function newPlan(rules) {
-  return { format: rules.format, version: 1, wall_depth: rules.limits.default_depth, rooms: [], openings: [] };
+  return { format: rules.format, version: 1, wall_depth: rules.limits.default_depth, heights: "usual", rooms: [], openings: [] };
 }
 
 /** Holds the states and tells who listens. */

@@ -6,6 +6,7 @@ import { lengthField, section } from "./fields.js";
 import { floorSection, stairsSection } from "./floors_panel.js";
 import { dist, mid, polygonArea, ringsOf, roundPoint } from "./geometry.js";
 import { photoCard, refusedLines } from "./photos.js";
+import { withHeights } from "./storeys.js";
 import { areaText, lengthText } from "./units.js";
 import { nearestWall, segmentOn } from "./walls.js";
 
@@ -62,6 +63,7 @@ function pictureRow(app, picture) {
 function roomSection(app, room) {
   const { store } = app;
   const change = (changes, merge = "") => store.change({ plan: withRooms(store.plan, (r) => (r.id === app.selection?.id ? { ...r, ...changes } : r)) }, merge);
+  const setHeights = (of, height) => store.change({ plan: withHeights(withRooms(store.plan, (r) => (of(r) ? { ...r, height } : r))) });
   const chip = (type) => el("button", {
     type: "button", className: `type type-${type.toLowerCase()}`, "aria-pressed": String(room.types.includes(type)), "data-key": `type ${type}`,
     onclick: (event) => {
@@ -73,11 +75,11 @@ function roomSection(app, room) {
   }, type);
   return section("Room",
     field("Name", "name", labelOf(room), (text, input) => rename(app, room.id, text, input)),
-    lengthField(app, "Height", "height", room.height ?? app.rules.limits.default_height, (v) => change({ height: v })),
+    lengthField(app, "Height", "height", room.height ?? app.rules.limits.default_height, (v) => setHeights((r) => r.id === room.id, v)),
     el("p", { className: "soft" }, `${areaText(polygonArea(ringsOf(room)), app.feet)}. An open plan may have several types: hold Shift.`),
     el("div", { className: "types", role: "group", "aria-label": "Types of the room" }, app.rules.room_types.map(chip)),
     el("div", { className: "row" },
-      button("Height for all rooms", () => store.change({ plan: withRooms(store.plan, (r) => ({ ...r, height: room.height })) })),
+      button("Height for all rooms", () => setHeights(() => true, room.height)),
       button("Delete", () => app.remove(app.selection), { className: "danger" })));
 }
 

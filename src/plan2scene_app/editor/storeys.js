@@ -5,6 +5,9 @@ import { add, dist, roundPoint, sub, times, unit } from "./geometry.js";
 const SLAB = 0.3; // metres from a ceiling to the floor above
 const LISTS = ["rooms", "openings", "stairs"];
 
+/** A plan whose heights are told: they are no usual ones, which photos may correct. */
+export const withHeights = ({ heights, ...plan }) => plan;
+
 /** The floors, the lowest first. */
 export const levelsOf = (plan) => [...(plan.levels ?? [])].sort((a, b) => a.elevation - b.elevation);
 
@@ -82,7 +85,7 @@ export function changedLevel(plan, level, changes) {
   const old = plan.levels.find((one) => one.id === level);
   const follows = (room) => room.level === level && changes.height !== undefined && room.height === old.height;
   return {
-    ...plan,
+    ...(changes.height === undefined ? plan : withHeights(plan)),
     levels: plan.levels.map((one) => (one === old ? { ...one, ...changes } : one)),
     rooms: plan.rooms.map((room) => (follows(room) ? { ...room, height: changes.height } : room)),
   };

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from statistics import median
 from xml.etree.ElementTree import Element
 
@@ -16,7 +16,7 @@ import numpy as np
 from shapely.affinity import scale as scaled
 from shapely.geometry import Polygon
 
-from plan2scene.house import House, IconBox
+from plan2scene.house import USUAL, House, IconBox
 from plan2scene.plans.parse import MAX_ROOMS, Source
 from plan2scene.plans.plan_file import PlanFormat, Unscaled
 from plan2scene_app.plan_formats.axes import MAX_AXES, SETTINGS, NearestAxis, axis_of_area
@@ -72,7 +72,7 @@ def house_of_cubicasa(
     if m is None or not SCALES[0] < m <= SCALES[1]:
         expected = f"metres_per_pixel up to {SCALES[1]:g}, or areas or sides written in the rooms"
         raise source.fault(expected, str(m))
-    return house_of_drawing(source, _drawing(source, storey, m))
+    return replace(house_of_drawing(source, _drawing(source, storey, m)), heights=USUAL)
 
 
 def size_of_cubicasa(content: bytes, house_id: str, *, file: str = "") -> tuple[float, float]:
@@ -245,4 +245,5 @@ PLAN_FORMAT = PlanFormat(
     ),
     suffixes=(".svg",),
     look=lambda plan: Unscaled("pixel", size_of_cubicasa(plan.text.encode(), plan.house_id)),
+    lacks_heights=lambda _: True,
 )

@@ -20,7 +20,7 @@ from shapely.affinity import affine_transform
 from shapely.geometry import LineString, Point, Polygon, box
 
 from plan2scene.errors import InputError
-from plan2scene.house import House
+from plan2scene.house import USUAL, House
 from plan2scene.plans.openings import Segment
 from plan2scene.plans.parse import MAX_ROOMS, Source
 from plan2scene.plans.plan_file import PlanFile, PlanFormat, Unscaled
@@ -241,7 +241,8 @@ def house_of_dxf(
         return house
     again = Source(str(path), house_id)
     again.warn("a unit of the header that suits the areas written", f"{printed:g} m by them")
-    return house_of_drawing(again, _Drawing(again, document, printed, entities, leaves).read())
+    found = _Drawing(again, document, printed, entities, leaves).read()
+    return replace(house_of_drawing(again, found), heights=USUAL)
 
 
 def load_dxf(source: Source, path: Path) -> Any:
@@ -569,4 +570,5 @@ PLAN_FORMAT = PlanFormat(
     suffixes=(".dxf",),
     needs="plan2scene[formats]",
     look=_look,
+    lacks_heights=lambda _: True,
 )

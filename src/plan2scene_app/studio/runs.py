@@ -38,6 +38,8 @@ RECORD, EVENTS, LOG = "run.json", "run_events.jsonl", "run.log"
 STAGES = {
     "trace": "The picture of the plan",
     "floorplan": "Plan",
+    "drawn_floorplan": "Plan",
+    "ceilings": "Ceilings",
     "masks": "What the photos show",
     "places": "Where the photos were taken",
     "crops": "Pieces of floors, walls and ceilings",

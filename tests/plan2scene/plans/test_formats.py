@@ -7,7 +7,7 @@ import pytest
 from plan_drawing import refusal
 
 from plan2scene.errors import InputError
-from plan2scene.plans.formats import plan_formats, read_plan
+from plan2scene.plans.formats import may_lack_heights, plan_formats, read_plan
 from plan2scene.plans.plan_file import PlanFile
 from plan2scene.provenance import WORKFLOW
 
@@ -68,3 +68,17 @@ def test_a_pipe_is_no_plan(tmp_path):
     os.mkfifo(path)
     with pytest.raises(InputError, match="expected a file, found no plain file"):
         _ = PlanFile(path, "h1").is_picture
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "may"),
+    [
+        ("p.json", '{"format": "plan2scene-plan"}', True),
+        ("p.scene.json", '{"format": "sceneState"}', False),
+        ("p.dxf", "0", True),
+        ("p.txt", "5 5", False),
+    ],
+)
+def test_a_file_s_name_and_start_say_whether_it_may_lack_heights(tmp_path, name, text, may):
+    (tmp_path / name).write_text(text)
+    assert may_lack_heights(tmp_path / name) == may

@@ -6,8 +6,9 @@ from pathlib import Path
 import pytest
 
 from plan2scene.errors import InputError
-from plan2scene.house import Level
+from plan2scene.house import USUAL, Level
 from plan2scene.plans.formats import read_plan
+from plan2scene.plans.levels import with_ceilings
 from plan2scene.plans.plan_json import house_of_plan
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.plans.scene_writer import write_scene_json
@@ -37,6 +38,30 @@ def test_the_example_is_a_sound_house():
     )
     assert {room.height for room in house.rooms} == {2.5}
     assert house.level_of("study").elevation == 2.8
+
+
+def test_other_ceilings_leave_the_slabs_as_thick_as_they_were():
+    house = with_ceilings(read_plan(EXAMPLE, "two"), 2.0)
+    assert [(level.elevation, level.height) for level in house.levels] == [(0.0, 2.0), (2.3, 2.0)]
+    assert {room.height for room in house.rooms} | {wall.height for wall in house.walls} == {2.0}
+    assert max(hole.top for wall in house.walls for hole in wall.openings) == 2.0
+    assert list(house_faults(house)) == []
+
+
+def test_a_plan_without_heights_is_marked_until_some_are_told(plan, tmp_path):
+    assert house_of_plan(plan, "two").heights == ""
+    for item in (*plan["rooms"], *plan["levels"]):
+        item.pop("height", None)
+    house = house_of_plan(plan, "two")
+    assert house.heights == USUAL
+    assert {room.height for room in house.rooms} == {2.8}
+    # The mark goes through scene.json and the editor's document, which names every height.
+    write_scene_json(house, tmp_path / "scene.json")
+    again = read_scene_json(tmp_path / "scene.json", "two")
+    assert again.heights == USUAL
+    assert house_of_plan(house_to_plan(again), "two").heights == USUAL
+    plan["levels"][0]["height"] = 2.6
+    assert house_of_plan(plan, "two").heights == ""
 
 
 def test_rooms_of_two_levels_share_neither_walls_nor_doors():

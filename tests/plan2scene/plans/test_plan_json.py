@@ -108,7 +108,7 @@ def test_opening_over_the_end_is_cut_with_a_warning(tmp_path):
 @pytest.mark.parametrize(
     ("place", "change", "line"),
     [
-        ("", {"scale": 2}, ": expected only the keys format, version, name, wall_depth, picture, "),
+        ("", {"scale": 2}, ": expected only the keys format, version, name, wall_depth, heights, "),
         ("", {"version": 2}, ": expected 1 at version, found 2"),
         ("", {"rooms": []}, ": expected minItems 1 at rooms, found []"),
         ("", {"rooms": None}, ": expected array at rooms, found None"),

@@ -65,6 +65,19 @@ class Shot:
 
 
 @dataclass(frozen=True)
+class Shots:
+    """What a masks folder tells of the photos of a house."""
+
+    shots: dict[str, Shot]
+    #: What told the kinds of rooms of photos without a room in the table.
+    told_by: dict[str, list[str]]
+    matches: dict[tuple[str, str], int]
+    spots: dict[tuple[str, str], int]
+    #: Of all photos of the folder.
+    cameras: dict[str, Camera]
+
+
+@dataclass(frozen=True)
 class Located:
     """Where the photos of a house were taken."""
 
@@ -91,7 +104,7 @@ def locate_shots(
     table = log_table(openings=openings != "nothing")
 
     def searches(spot: Spot, grid: Grid) -> list[RoomSearch]:
-        views = [_view(shots[name], table, quarters) for name, quarters in spot.quarters.items()]
+        views = [view_of(shots[name], table, quarters) for name, quarters in spot.quarters.items()]
         return [
             RoomSearch(shapes, room_id, room_polygon(house.room(room_id)), views, grid)
             for room_id in spot.rooms
@@ -207,8 +220,8 @@ def _best(searches: Sequence[RoomSearch], prior: HeightPrior) -> list[Hypothesis
     return sorted(hypotheses, key=lambda pose: -pose.score)
 
 
-def _view(shot: Shot, table: np.ndarray, quarters: int) -> View:
-    """Return a photo's labels by direction."""
+def view_of(shot: Shot, table: np.ndarray, quarters: int) -> View:
+    """Return a photo's labels by direction; `table` of `log_table`, `quarters` of `Spot`."""
 
     def profile(blur: float) -> Profile:
         return make_profile(shot.labels, shot.camera, table, blur, shot.probabilities)
@@ -245,6 +258,27 @@ def locate_photos(
     photos tell what rooms they may show. `threads` photos are searched at a time; the result does
     not depend on it.
     """
+    read = read_shots(house, rooms_of_photo, masks_dir, name_hints=name_hints)
+    located = locate_shots(house, read.shots, read.matches, read.spots, threads)
+    entries = {}
+    for name in sorted(read.cameras):
+        entries[name] = pose_to_json(read.cameras[name], located.poses.get(name))
+        if name in located.rooms:
+            entries[name] |= {"rooms": located.rooms[name], "evidence": read.told_by[name]}
+    write_json(output, entries)
+    count = sum(pose.believed for pose in located.poses.values())
+    _log.info("%d of %d photos located", count, len(read.cameras))
+    return located
+
+
+def read_shots(
+    house: House,
+    rooms_of_photo: Mapping[str, Sequence[str]],
+    masks_dir: str | Path,
+    *,
+    name_hints: bool = True,
+) -> Shots:
+    """Return the photos of a masks folder that `rooms_of_photo` has; see :func:`locate_photos`."""
     folder = Path(masks_dir)
     file = folder / "cameras.json"
     cameras = {
@@ -274,16 +308,7 @@ def locate_photos(
         (a, b): int(count) for a, b, count in read_stage_json(folder / MATCHES_FILE, "matches")
     }
     spots = {(a, b): int(turns) for a, b, turns in read_stage_json(folder / SPOTS_FILE, "spots")}
-    located = locate_shots(house, shots, matches, spots, threads)
-    entries = {}
-    for name in sorted(cameras):
-        entries[name] = pose_to_json(cameras[name], located.poses.get(name))
-        if name in located.rooms:
-            entries[name] |= {"rooms": located.rooms[name], "evidence": told_by[name]}
-    write_json(output, entries)
-    count = sum(pose.believed for pose in located.poses.values())
-    _log.info("%d of %d photos located", count, len(cameras))
-    return located
+    return Shots(shots, told_by, matches, spots, cameras)
 
 
 def write_photo_rooms(

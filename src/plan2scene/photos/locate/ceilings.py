@@ -1,0 +1,133 @@
+"""How high the ceilings of a house are whose plan does not say: by the borders that photos show.
+
+Floor, wall and ceiling of a photo agree with the plan at a pose of one height only. All photos of
+a house speak together, each by its best pose.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from plan2scene.house import FROM_PHOTOS, USUAL, House
+from plan2scene.parallel import each
+from plan2scene.photos.locate.likelihood import log_table
+from plan2scene.photos.locate.locate_photos import (
+    Shot,
+    labelled_openings,
+    read_shots,
+    view_of,
+)
+from plan2scene.photos.locate.locate_settings import LOCATE
+from plan2scene.photos.locate.plan_view import room_shapes
+from plan2scene.photos.locate.search import HeightPrior, RoomSearch
+from plan2scene.photos.locate.spots import SameSpot, spots_of
+from plan2scene.photos.locate.which_room import WHICH
+from plan2scene.plans.geometry import room_polygon
+from plan2scene.plans.levels import with_ceilings
+
+_log = logging.getLogger("plan2scene")
+
+
+@dataclass(frozen=True)
+class CeilingSettings:
+    """What ceilings are like, metres, and how they are searched for.
+
+    Source: usual dwellings; nothing was chosen on homes.
+    """
+
+    #: Mean and standard deviation over homes, and the limits of the search.
+    mean_m: float = 2.5
+    spread_m: float = 0.5
+    limits_m: tuple[float, float] = (2.1, 4.0)
+    #: Heights that are compared lie first so far apart, then so far; a parabola tells the rest.
+    steps_m: tuple[float, ...] = (0.2, 0.1)
+    #: Most spots that are asked, and rooms of a spot after the first height.
+    spots: int = 12
+    rooms: int = 4
+
+
+CEILINGS = CeilingSettings()
+
+
+def ceiling_height(
+    house: House,
+    shots: Mapping[str, Shot],
+    same_spot: SameSpot | None = None,
+    threads: int = 1,
+) -> float | None:
+    """Return the height in metres that photos tell, to a centimetre; None where none has a frame.
+
+    `same_spot` and `threads` as of :func:`.locate_photos.locate_shots`.
+    """
+    rooms = {name: shot.rooms for name, shot in shots.items() if not shot.camera.fallback}
+    every = spots_of({name: own for name, own in rooms.items() if own}, same_spot or {})
+    asked = np.unique(np.linspace(0, len(every) - 1, min(CEILINGS.spots, len(every))).round())
+    spots = [every[int(k)] for k in asked]
+    if not spots:
+        return None
+    table = log_table(openings=labelled_openings(shots.values()) != "nothing")
+    views = [
+        [view_of(shots[name], table, quarters) for name, quarters in spot.quarters.items()]
+        for spot in spots
+    ]
+    left = [spot.rooms for spot in spots]
+
+    def scores(height: float) -> list[dict[str, float]]:
+        tall = with_ceilings(house, height)
+        shapes = room_shapes(tall)
+
+        def of_spot(number: int) -> dict[str, float]:
+            return {
+                room: RoomSearch(
+                    shapes, room, room_polygon(tall.room(room)), views[number], LOCATE.rough
+                ).best_score(HeightPrior())
+                for room in left[number]
+            }
+
+        return list(each(of_spot, range(len(spots)), threads))
+
+    def log_probability(found: Sequence[Mapping[str, float]], height: float) -> float:
+        off = (height - CEILINGS.mean_m) / CEILINGS.spread_m
+        return WHICH.place * sum(max(item.values()) for item in found) - 0.5 * off**2
+
+    first = scores(CEILINGS.mean_m)
+    left = [tuple(sorted(found, key=lambda r: -found[r])[: CEILINGS.rooms]) for found in first]
+    best = CEILINGS.mean_m
+    known = {best: log_probability(first, best)}
+    for step in CEILINGS.steps_m:
+        while beside := [
+            height
+            for height in (round(best - step, 2), round(best + step, 2))
+            if height not in known and CEILINGS.limits_m[0] <= height <= CEILINGS.limits_m[1]
+        ]:
+            known |= {height: log_probability(scores(height), height) for height in beside}
+            best = max(known, key=lambda height: known[height])
+    low, middle, high = (known.get(round(best + k * step, 2), -np.inf) for k in (-1, 0, 1))
+    bend = low - 2 * middle + high
+    return round(best + (step * (low - high) / (2 * bend) if -np.inf < bend < 0 else 0.0), 2)
+
+
+def measure_ceilings(
+    house: House,
+    rooms_of_photo: Mapping[str, Sequence[str]],
+    masks_dir: str | Path,
+    *,
+    threads: int = 1,
+) -> House:
+    """Return a house with ceilings as high as its photos tell, where its plan does not.
+
+    `rooms_of_photo`, `masks_dir` and `threads` as of :func:`.locate_photos.locate_photos`.
+    """
+    if house.heights != USUAL:
+        return house
+    read = read_shots(house, rooms_of_photo, masks_dir)
+    height = ceiling_height(house, read.shots, read.spots, threads)
+    if height is None:
+        return house
+    _log.info("ceilings at %.2f m", height)
+    return replace(with_ceilings(house, height), heights=FROM_PHOTOS)
