@@ -25,7 +25,12 @@ from PIL import Image
 
 from plan2scene.camera import Camera
 from plan2scene.io import read_json
-from plan2scene.photos.labels.palette import PROBABILITIES, SPOTS_FILE, read_probability_png
+from plan2scene.photos.labels.palette import (
+    PROBABILITIES,
+    SPOTS_FILE,
+    TURNS_FILE,
+    read_probability_png,
+)
 from plan2scene.photos.locate.likelihood import OPENING
 from plan2scene.photos.locate.locate_photos import Shot, locate_shots
 from plan2scene.photos.locate.pose import LOCATED
@@ -112,8 +117,11 @@ def locate_house(
             (truth.room_id,) if rooms_known else rooms,
             read_probability_png(probable) if own else None,
         )
-    spots = {(a, b): k for a, b, k in read_stage_json(folder / "masks" / SPOTS_FILE, "spots")}
-    poses = locate_shots(house, shots, same_spot=spots).poses
+    spots, turns = (
+        {(a, b): k for a, b, k in read_stage_json(folder / "masks" / file, "spots")}
+        for file in (SPOTS_FILE, TURNS_FILE)
+    )
+    poses = locate_shots(house, shots, same_spot=spots, same_things=turns).poses
     found = [Found(photo, 0.0, False, float("nan")) for photo in sorted(set(shots) - set(poses))]
     for photo, pose in poses.items():
         ahead, truth = pose.camera.matrix[2], truths[photo]

@@ -33,13 +33,21 @@ from plan2scene.photos.labels.palette import (
     OTHER,
     PROBABILITIES,
     SPOTS_FILE,
+    TURNS_FILE,
     read_label_png,
     without_openings,
     write_label_png,
     write_probability_png,
 )
 from plan2scene.photos.labels.watermark import reduced, watermarks
-from plan2scene.photos.matches import SPOTS, Points, find_points, match_photos, same_spot
+from plan2scene.photos.matches import (
+    SPOTS,
+    Points,
+    find_points,
+    match_photos,
+    same_spot,
+    same_things,
+)
 from plan2scene.photos.photo_files import read_photo
 
 _log = logging.getLogger("plan2scene")
@@ -65,8 +73,8 @@ def make_masks(
     warning, too. `label` returns what labels the photos; it is not called for a house without any.
     `out_dir` is replaced as a whole: ``{stem}.png`` labels at the size that `read_photo` gives,
     ``probabilities/{stem}.png`` where the source tells them, ``cameras.json``,
-    ``segments.parquet``, ``kinds.json``, ``matches.json``, ``spots.json``, ``warnings.json``
-    (``docs/conventions.md``).
+    ``segments.parquet``, ``kinds.json``, ``matches.json``, ``turns.json``, ``spots.json``,
+    ``warnings.json`` (``docs/conventions.md``).
 
     `fov_deg` is the horizontal field of view in degrees where neither EXIF data nor vanishing
     points give one, nor those of the other photos; `known_fov_deg` that of all photos along their
@@ -104,8 +112,12 @@ def make_masks(
         points = {name: shot.points for name, shot in shots.items() if shot.points is not None}
         matches = match_photos(points)
         write_json(folder / MATCHES_FILE, [[*pair, count] for pair, count in matches.items()])
-        turned = same_spot({name: shot.spot_points for name, shot in shots.items()}, cameras)
-        write_json(folder / SPOTS_FILE, [[*pair, quarters] for pair, quarters in turned.items()])
+        few = {name: shot.spot_points for name, shot in shots.items()}
+        for file, turned in (
+            (TURNS_FILE, same_things(few, cameras)),
+            (SPOTS_FILE, same_spot(few, cameras)),
+        ):
+            write_json(folder / file, [[*pair, quarters] for pair, quarters in turned.items()])
         write_segments(folder / SEGMENTS, {name: shot.segments for name, shot in shots.items()})
         write_json(folder / "warnings.json", warnings)
     return warnings

@@ -1,15 +1,20 @@
-"""Photos that show the same things, or were taken from one spot: points found in both."""
+"""Photos that show the same things, or were taken from one spot: points found in both.
+
+Where the Manhattan frames of both photos are known, a quarter turn between them and the way from
+one camera to the other is all that is not: what agrees with one of each is no chance.
+"""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
 from plan2scene.camera import Camera
+from plan2scene.seeds import generator
 
 
 @dataclass(frozen=True)
@@ -42,7 +47,26 @@ class SpotSettings:
     share: float = 0.5  #: least share of the matches that are
 
 
-MATCHES, SPOTS = MatchSettings(), SpotSettings()
+@dataclass(frozen=True)
+class TurnSettings:
+    """Constants of what finds how the frames of two photos are turned.
+
+    Source: set by hand on two real flats and a listing (development). There all pairs that
+    pass are turned so, and show one room or rooms that are open to each other.
+    """
+
+    agrees_deg: float = 1.0  #: distance to the plane of both eyes and a point's ray, degrees
+    ways: int = 300  #: ways from one eye to the other that are tried, each forth and back
+    #: They rise by less than this, degrees: else photos of one spot agree with half a turn, too.
+    rise_deg: float = 45.0
+    #: Points nearer to such a way than this tell nothing of it, radians.
+    ahead: float = 0.02
+    least: int = 10  #: least matches that agree
+    share: float = 0.5  #: least share of the matches that do
+    lead: float = 1.2  #: they are more than those that agree with another turn by this
+
+
+MATCHES, SPOTS, TURNS = MatchSettings(), SpotSettings(), TurnSettings()
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,25 +126,73 @@ def same_spot(
     That is in quarter turns, 0 to 3: by how much the azimuth of a thing in the first photo's
     Manhattan frame is larger than in the second's. `cameras` without a frame are left out.
     """
-    rays = {
-        name: cameras[name].rays((points.places + 0.5) / points.zoom - 0.5)
-        for name, points in photos.items()
-        if len(points.places) and not cameras[name].fallback
-    }
     found = {}
-    for one, other in itertools.combinations(sorted(rays), 2):
-        here, there = _matches(photos[one], photos[other])
-        if len(here) < MATCHES.least:
-            continue
-        ahead, seen = rays[one][here], rays[other][there]
+    for pair, ahead, seen in _seen_by_both(photos, cameras):
         agree = [
             (np.sum(ahead * turned, axis=1) > np.cos(np.radians(SPOTS.agrees_deg))).sum()
             for turned in _quarter_turns(seen)
         ]
         quarters = int(np.argmax(agree))
-        if agree[quarters] >= max(MATCHES.least, SPOTS.share * len(here)):
-            found[one, other] = quarters
+        if agree[quarters] >= max(MATCHES.least, SPOTS.share * len(ahead)):
+            found[pair] = quarters
     return found
+
+
+def same_things(
+    photos: Mapping[str, Points], cameras: Mapping[str, Camera]
+) -> dict[tuple[str, str], int]:
+    """Return the pairs of photos that see the same things, with their turns as `same_spot`.
+
+    So many of their matches agree with one turn and one way between the eyes that it is no chance.
+    """
+    found = {}
+    for pair, ahead, seen in _seen_by_both(photos, cameras):
+        rng = generator(0, "same things", *pair)
+        starts = rng.integers(len(ahead), size=(TURNS.ways, 2))
+        agree = [_moved(ahead, turned, starts) for turned in _quarter_turns(seen)]
+        second, first = sorted(agree)[-2:]
+        least = max(TURNS.least, TURNS.share * len(ahead), TURNS.lead * second)
+        if first >= least:
+            found[pair] = int(np.argmax(agree))
+    return found
+
+
+def _moved(ahead: np.ndarray, seen: np.ndarray, starts: np.ndarray) -> int:
+    """Return how many of the rays (n, 3) of points from two eyes meet, as most do for one way.
+
+    Each pair of `starts` (t, 2) gives a way from the first eye to the second: it lies in the planes
+    of both points' rays (the essential matrix of a known turn; Hartley and Zisserman 2004, 9.6).
+    """
+    normals = np.cross(ahead, seen)
+    ways = np.cross(normals[starts[:, 0]], normals[starts[:, 1]])
+    size = np.linalg.norm(ways, axis=1)
+    ways = ways[size > 1e-6] / size[size > 1e-6, None]
+    ways = ways[np.abs(ways[:, 1]) < np.sin(np.radians(TURNS.rise_deg))]
+    if not len(ways):
+        return 0
+    ways = np.concatenate([ways, -ways])
+    across = np.cross(ways[:, None], ahead[None])
+    width = np.linalg.norm(across, axis=2)
+    off = np.abs((across * seen).sum(axis=2)) / np.maximum(width, 1e-9)
+    # What lies beside the way falls behind as one goes on.
+    behind = seen @ ways.T <= ahead @ ways.T + 0.005
+    meets = (off < np.sin(np.radians(TURNS.agrees_deg))) & behind.T & (width > TURNS.ahead)
+    return int(meets.sum(axis=1).max())
+
+
+def _seen_by_both(
+    photos: Mapping[str, Points], cameras: Mapping[str, Camera]
+) -> Iterator[tuple[tuple[str, str], np.ndarray, np.ndarray]]:
+    """Yield the pairs of photos with a frame that match, and the rays (n, 3) of the matches."""
+    rays = {
+        name: cameras[name].rays((points.places + 0.5) / points.zoom - 0.5)
+        for name, points in photos.items()
+        if len(points.places) and not cameras[name].fallback
+    }
+    for one, other in itertools.combinations(sorted(rays), 2):
+        here, there = _matches(photos[one], photos[other])
+        if len(here) >= MATCHES.least:
+            yield (one, other), rays[one][here], rays[other][there]
 
 
 def _quarter_turns(rays: np.ndarray) -> list[np.ndarray]:

@@ -8,7 +8,7 @@ from views import camera_looking
 from plan2scene.photos.camera.calibration import canonical
 from plan2scene.photos.locate.locate_photos import Shot, locate_shots
 from plan2scene.photos.locate.spots import spots_of
-from plan2scene.photos.matches import Points, same_spot
+from plan2scene.photos.matches import Points, same_spot, same_things
 
 #: Headings of photos, degrees, and how their frames turn into each other.
 HEADINGS = {"a": 10.0, "b": 62.0, "c": 118.0}
@@ -33,8 +33,10 @@ def turn_of(heading_deg):
     return round(off / (np.pi / 2))
 
 
-@pytest.mark.parametrize("moved", [0.0, 1.5])
-def test_photos_of_one_spot_are_tied_by_quarter_turns_others_are_not(moved):
+@pytest.mark.parametrize(
+    ("shared", "moved", "tied"), [(same_spot, 0.0, 2), (same_spot, 1.5, 0), (same_things, 1.5, 2)]
+)
+def test_photos_are_tied_by_quarter_turns(shared, moved, tied):
     rng = np.random.default_rng(0)
     points = rng.uniform((-4, -1.3, -4), (4, 1.3, 4), (1500, 3))
     looks = rng.normal(size=(1500, 128)).astype(np.float32)
@@ -43,9 +45,9 @@ def test_photos_of_one_spot_are_tied_by_quarter_turns_others_are_not(moved):
         name: photographed(np.array([moved * k, 0.0, 0.0]), heading, points, looks)
         for k, (name, heading) in enumerate(HEADINGS.items())
     }
-    found = same_spot(*({name: shot[part] for name, shot in shots.items()} for part in (0, 1)))
+    found = shared(*({name: shot[part] for name, shot in shots.items()} for part in (0, 1)))
     turns = {name: turn_of(heading) for name, heading in HEADINGS.items()}
-    pairs = [("a", "b"), ("b", "c")] if moved == 0.0 else []
+    pairs = [("a", "b"), ("b", "c")][:tied]
     assert found == {pair: (turns[pair[1]] - turns[pair[0]]) % 4 for pair in pairs}
     assert len(set(turns.values())) > 1
 
@@ -55,7 +57,8 @@ def test_a_watermark_ties_no_photos():
     looks = np.eye(128, dtype=np.float32)[:40]
     mark = Points(rng.uniform(20, 160, (40, 2)).astype(np.float32), looks)
     camera = photographed(np.zeros(3), 0.0, np.zeros((0, 3)), looks[:0])[1]
-    assert same_spot({"a": mark, "b": mark}, {"a": camera, "b": camera}) == {}
+    for shared in (same_spot, same_things):
+        assert shared({"a": mark, "b": mark}, {"a": camera, "b": camera}) == {}
 
 
 def test_spots_follow_ties_while_a_room_is_common():
@@ -65,6 +68,43 @@ def test_spots_follow_ties_while_a_room_is_common():
     assert first.quarters == {"a": 0, "b": 3, "c": 1}
     assert first.rooms == ("hall",)
     assert (last.quarters, last.rooms) == ({"d": 0}, ("bed",))
+
+
+def test_things_that_do_not_match_tie_no_photos():
+    rng = np.random.default_rng(2)
+    looks = np.eye(128, dtype=np.float32)[:60]
+    cameras = {
+        name: photographed(np.zeros(3), 0.0, np.zeros((0, 3)), looks[:0])[1] for name in "ab"
+    }
+    chance = {
+        name: Points(rng.uniform(20, 160, (60, 2)).astype(np.float32), looks) for name in "ab"
+    }
+    assert same_things(chance, cameras) == {}
+
+
+def test_a_photo_that_sees_what_another_sees_has_a_heading_that_goes_with_it():
+    house = box_house()
+    places = {"clear.jpg": (60.0, (4.2, 1.3, 0.7)), "corner.jpg": (15.0, (0.6, 1.5, 2.9))}
+    cameras = {
+        name: camera_looking(SIZE, heading_deg=heading, pitch_deg=4.0, focal=FOCAL)
+        for name, (heading, _) in places.items()
+    }
+    shots = {
+        name: Shot(
+            true.with_rotation(canonical(true.matrix)),
+            rendered(house, true, np.array(places[name][1])),
+            ("room",),
+        )
+        for name, true in cameras.items()
+    }
+    turned = {("clear.jpg", "corner.jpg"): (turn_of(15.0) - turn_of(60.0)) % 4}
+    alone = locate_shots(house, shots).poses
+    tied = locate_shots(house, shots, same_things=turned).poses
+    assert not alone["corner.jpg"].believed
+    assert tied["corner.jpg"].believed
+    np.testing.assert_allclose(
+        tied["corner.jpg"].camera.matrix, cameras["corner.jpg"].matrix, atol=1e-6
+    )
 
 
 def test_a_photo_that_tells_nothing_is_located_by_another_of_its_spot():

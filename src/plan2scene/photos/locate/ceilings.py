@@ -25,7 +25,7 @@ from plan2scene.photos.locate.locate_photos import (
 from plan2scene.photos.locate.locate_settings import LOCATE
 from plan2scene.photos.locate.plan_view import room_shapes
 from plan2scene.photos.locate.search import HeightPrior, RoomSearch
-from plan2scene.photos.locate.spots import SameSpot, spots_of
+from plan2scene.photos.locate.spots import Turned, spots_of
 from plan2scene.photos.locate.which_room import WHICH
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.levels import with_ceilings
@@ -57,7 +57,7 @@ CEILINGS = CeilingSettings()
 def ceiling_height(
     house: House,
     shots: Mapping[str, Shot],
-    same_spot: SameSpot | None = None,
+    same_spot: Turned | None = None,
     threads: int = 1,
 ) -> float | None:
     """Return the height in metres that photos tell, to a centimetre; None where none has a frame.

@@ -25,6 +25,7 @@ from plan2scene.photos.labels.palette import (
     MATCHES_FILE,
     PROBABILITIES,
     SPOTS_FILE,
+    TURNS_FILE,
     read_label_png,
     read_probability_png,
 )
@@ -34,7 +35,7 @@ from plan2scene.photos.locate.plan_view import room_shapes
 from plan2scene.photos.locate.pose import Pose, pose_to_json, turned
 from plan2scene.photos.locate.search import HeightPrior, Hypothesis, RoomSearch, View
 from plan2scene.photos.locate.seen_planes import shows_its_room
-from plan2scene.photos.locate.spots import SameSpot, Spot, spots_of
+from plan2scene.photos.locate.spots import Spot, Turned, spots_of, with_common_headings
 from plan2scene.photos.locate.which_room import (
     NOWHERE,
     WHICH,
@@ -72,6 +73,7 @@ class Shots:
     #: What told the kinds of rooms of photos without a room in the table.
     told_by: dict[str, list[str]]
     matches: dict[tuple[str, str], int]
+    turns: dict[tuple[str, str], int]
     spots: dict[tuple[str, str], int]
     #: Of all photos of the folder.
     cameras: dict[str, Camera]
@@ -91,13 +93,15 @@ def locate_shots(
     house: House,
     shots: Mapping[str, Shot],
     matches: Mapping[tuple[str, str], int] | None = None,
-    same_spot: SameSpot | None = None,
+    same_spot: Turned | None = None,
+    same_things: Turned | None = None,
     threads: int = 1,
 ) -> Located:
     """Return the rooms of photos and their poses in them.
 
-    `matches` as of :func:`.which_room.room_probabilities`; `same_spot` of photos that are located
-    together. `threads` spots are searched at a time; the result does not depend on it.
+    `matches` as of :func:`.which_room.room_probabilities`; photos of the `same_spot` are located
+    together, those of the `same_things` have headings that go together. `threads` spots are
+    searched at a time; the result does not depend on it.
     """
     shapes = room_shapes(house)
     openings = labelled_openings(shots.values())
@@ -122,7 +126,8 @@ def locate_shots(
         for spot, every in zip(groups, each(rough, groups, threads), strict=True)
         for name in spot.quarters
     }
-    rooms = _rooms(house, shots, scores, matches or {})
+    tied = {**(same_spot or {}), **(same_things or {})}
+    rooms = _rooms(house, shots, scores, matches or {}, tied)
     likely = {name: likely_room(house, every) for name, every in rooms.items()}
     told = {room for name in framed if name not in likely for room in shots[name].rooms}
     used = used_photos(likely, told)
@@ -138,12 +143,11 @@ def locate_shots(
 
     spots = spots_of(stands, same_spot or {})
     searched = list(each(search, spots, threads))
-    hypotheses = [poses for _, poses in searched]
+    hypotheses = with_common_headings(spots, [poses for _, poses in searched], tied)
     prior = shared_height(hypotheses)
     if prior is not None:
-        hypotheses = list(
-            each(lambda found: _best(found, prior), (s for s, _ in searched), threads)
-        )
+        again = list(each(lambda found: _best(found, prior), (s for s, _ in searched), threads))
+        hypotheses = with_common_headings(spots, again, tied)
     poses = {}
     for spot, every in zip(spots, hypotheses, strict=True):
         best, found = every[0], probability(every, openings)
@@ -162,6 +166,7 @@ def _rooms(
     shots: Mapping[str, Shot],
     scores: Mapping[str, Mapping[str, float]],
     matches: Mapping[tuple[str, str], int],
+    tied: Turned,
 ) -> dict[str, dict[str, float]]:
     """Return how probable each room is for the photos whose room is not told."""
     evidence = {
@@ -172,7 +177,7 @@ def _rooms(
     }
     if all(item.told for item in evidence.values()):
         return {}
-    every = room_probabilities(house, evidence, matches)
+    every = room_probabilities(house, evidence, matches, tied)
     return {name: rooms for name, rooms in every.items() if not evidence[name].told}
 
 
@@ -259,7 +264,7 @@ def locate_photos(
     not depend on it.
     """
     read = read_shots(house, rooms_of_photo, masks_dir, name_hints=name_hints)
-    located = locate_shots(house, read.shots, read.matches, read.spots, threads)
+    located = locate_shots(house, read.shots, read.matches, read.spots, read.turns, threads)
     entries = {}
     for name in sorted(read.cameras):
         entries[name] = pose_to_json(read.cameras[name], located.poses.get(name))
@@ -307,8 +312,11 @@ def read_shots(
     matches = {
         (a, b): int(count) for a, b, count in read_stage_json(folder / MATCHES_FILE, "matches")
     }
-    spots = {(a, b): int(turns) for a, b, turns in read_stage_json(folder / SPOTS_FILE, "spots")}
-    return Shots(shots, told_by, matches, spots, cameras)
+    turns, spots = (
+        {(a, b): int(quarters) for a, b, quarters in read_stage_json(folder / file, "spots")}
+        for file in (TURNS_FILE, SPOTS_FILE)
+    )
+    return Shots(shots, told_by, matches, turns, spots, cameras)
 
 
 def write_photo_rooms(

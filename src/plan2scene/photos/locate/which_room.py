@@ -53,7 +53,8 @@ class WhichRoomSettings:
     match: float = 2.0
     matched: float = 14.0
     most_match: float = 4.0
-    #: Photos that match are wrong together: what each tells counts less, by this power of how many.
+    #: Photos that match are wrong together: what each tells, and how often its room is
+    #: photographed, counts less, by this power of how many.
     repeated: float = 0.5
     #: Share of that where the rooms are open to each other.
     open_match: float = 0.7
@@ -81,9 +82,10 @@ class WhichRoomSettings:
     #: Rooms that no photo shows more surely are made of guesses more probable than this, or of a
     #: photo that shows `least` probably one of their kind.
     guess: float = 0.25
-    #: Sweeps of the sampler that count, and those before.
+    #: Sweeps of the sampler that count, those before, and groups that move in each.
     sweeps: int = 1500
     warm: int = 300
+    groups: int = 5
 
 
 WHICH = WhichRoomSettings()
@@ -113,24 +115,21 @@ def room_probabilities(
     house: House,
     photos: Mapping[str, PhotoEvidence],
     matches: Mapping[tuple[str, str], int],
+    tied: Collection[tuple[str, str]] = (),
 ) -> dict[str, dict[str, float]]:
     """Return how probable each room is for each photo; `NOWHERE` for none.
 
-    `matches` are the points that two photos share (a pair of names, the lesser first). Gibbs
-    sampling of the rooms of all photos, alone and together with those that match: the same input
-    gives the same numbers.
+    `matches` are the points that two photos share (a pair of names, the lesser first); photos that
+    are `tied` surely show the same things. Gibbs sampling of the rooms of all photos, alone and
+    together with those that match: the same input gives the same numbers.
     """
     names, rooms = sorted(photos), [room.id for room in house.rooms]
     if not names:
         return {}
-    pairs = _pairs(names, matches)
+    pairs = _pairs(names, matches, tied)
     alike = [1.0 + sum(min(weight, 1.0) for _, weight in others) for others in pairs]
-    alone = np.array(
-        [
-            _alone(house, photos[name]) / many**WHICH.repeated
-            for name, many in zip(names, alike, strict=True)
-        ]
-    )
+    weight = np.array(alike) ** -WHICH.repeated
+    alone = weight[:, None] * np.array([_alone(house, photos[name]) for name in names])
     known = [photos[name].tells or bool(pairs[k]) for k, name in enumerate(names)]
     near = _nearness(house)
     frequent, first = _frequency(house)
@@ -144,11 +143,11 @@ def room_probabilities(
         here, held = state[group[0]], set(group)
         counts[here] -= len(group)
         log = alone[group].sum(axis=0) + np.where(counts == 0, first, 0.0)
-        for more in range(len(group)):
-            log += np.log(frequent + np.minimum(counts + more, 2.0) * 0.3)
+        for more, k in enumerate(group):
+            log += weight[k] * np.log(frequent + np.minimum(counts + more, 2.0) * 0.3)
         for k in group:
-            for other, weight in pairs[k]:
-                log += weight * (near.diagonal() / 2 if other in held else near[state[other]])
+            for other, tie in pairs[k]:
+                log += tie * (near.diagonal() / 2 if other in held else near[state[other]])
                 if len(group) > 1 and other not in held:
                     log[state[other]] = -np.inf  # there the group would be another one
         odds = np.exp(log - log.max())
@@ -157,14 +156,14 @@ def room_probabilities(
         return np.asarray(odds / odds.sum())
 
     free = [k for k, name in enumerate(names) if not photos[name].told and known[k]]
-    tied = [k for k in free if pairs[k]]
+    paired = [k for k in free if pairs[k]]
     for sweep in range(WHICH.warm + WHICH.sweeps):
         for k in free:
             odds = moved([k])
             if sweep >= WHICH.warm:
                 seen[k] += odds
-        if tied:
-            group = _together(tied[rng.integers(len(tied))], state, pairs)
+        for first_of in rng.choice(paired, WHICH.groups) if paired else ():
+            group = _together(int(first_of), state, pairs)
             if len(group) > 1 and set(group) <= set(free):
                 moved(group)
     found = {}
@@ -320,14 +319,20 @@ def _nearness(house: House) -> np.ndarray:
 
 
 def _pairs(
-    names: Sequence[str], matches: Mapping[tuple[str, str], int]
+    names: Sequence[str],
+    matches: Mapping[tuple[str, str], int],
+    tied: Collection[tuple[str, str]],
 ) -> list[list[tuple[int, float]]]:
     """Return for each photo the others that match it, and how much that tells."""
     index = {name: k for k, name in enumerate(names)}
+    tells = {
+        pair: min(WHICH.match * float(np.log(count / WHICH.matched)), WHICH.most_match)
+        for pair, count in matches.items()
+        if count > WHICH.matched
+    } | dict.fromkeys(tied, WHICH.most_match)
     pairs: list[list[tuple[int, float]]] = [[] for _ in names]
-    for (a, b), count in matches.items():
-        if a in index and b in index and count > WHICH.matched:
-            weight = min(WHICH.match * float(np.log(count / WHICH.matched)), WHICH.most_match)
-            pairs[index[a]].append((index[b], weight))
-            pairs[index[b]].append((index[a], weight))
+    for (a, b), tie in tells.items():
+        if a in index and b in index:
+            pairs[index[a]].append((index[b], tie))
+            pairs[index[b]].append((index[a], tie))
     return pairs
