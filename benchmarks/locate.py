@@ -1,5 +1,7 @@
 """How well photos are found in the plan: headings, share located, distance from the true place.
 
+Below the table, how high ceilings are and how high photos say where the plan does not.
+
     python benchmarks/locate.py RESULTS --synthetic ROOT [--split test] [--masks own truth]
     python benchmarks/locate.py RESULTS --flat FOLDER [--flat FOLDER ...] [--masks own truth]
 
@@ -24,6 +26,7 @@ import numpy as np
 from PIL import Image
 
 from plan2scene.camera import Camera
+from plan2scene.house import DEFAULT_HEIGHT
 from plan2scene.io import read_json
 from plan2scene.photos.labels.palette import (
     PROBABILITIES,
@@ -31,9 +34,11 @@ from plan2scene.photos.labels.palette import (
     TURNS_FILE,
     read_probability_png,
 )
+from plan2scene.photos.locate.ceilings import ceiling_height
 from plan2scene.photos.locate.likelihood import OPENING
-from plan2scene.photos.locate.locate_photos import Shot, locate_shots
+from plan2scene.photos.locate.locate_photos import Shot, locate_shots, read_shots
 from plan2scene.photos.locate.pose import LOCATED
+from plan2scene.plans.levels import with_ceilings
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.stage_json import read_stage_json
 
@@ -133,6 +138,16 @@ def locate_house(
     return found
 
 
+def ceilings(results: Path, name: str, truths: Mapping[str, Truth], *, rooms_known: bool) -> str:
+    """Return a line: how high a house is, and how high its photos say, metres."""
+    folder = results / "houses" / name
+    house = read_scene_json(folder / "scene.json", name)
+    rooms = {photo: [truth.room_id] * rooms_known for photo, truth in truths.items()}
+    read = read_shots(house, rooms, folder / "masks")
+    found = ceiling_height(with_ceilings(house, DEFAULT_HEIGHT), read.shots, read.spots)
+    return f"ceilings of {name}: {house.rooms[0].height:.2f} m, by {len(read.shots)} photos {found}"
+
+
 def figures(found: Sequence[Found], seconds: float) -> str:
     """Return the cells of a table's row."""
     located = [item for item in found if item.located >= LOCATED]
@@ -169,6 +184,7 @@ def main() -> None:
         "| expected | off by, m (median / 90 %) | CPU s a photo |"
     )
     print("|---" * 9 + "|")
+    high: list[str] = []
     for name, houses in sets.items():
         for kind in given.masks:
             start = time.process_time()
@@ -181,8 +197,13 @@ def main() -> None:
                 )
             ]
             print(f"| {name} | {kind} | {figures(found, time.process_time() - start)} |")
+            for house, truths in houses() if kind == "own" else ():
+                if (given.results / "houses" / house / "masks").is_dir():
+                    known = not given.without_rooms
+                    high.append(ceilings(given.results, house, truths, rooms_known=known))
             for item in sorted(found, key=lambda item: -item.located) if given.each else ():
                 print(f"{item.photo} {item.located:.2f} {item.right} {item.error_m:.2f}")
+    print("", *high, sep="\n")
 
 
 if __name__ == "__main__":
