@@ -1,26 +1,33 @@
 """Photos of rooms whose labels are rendered from known poses are found where they were taken."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from box_room import SIZE, box_house, rendered
+from box_room import HEIGHT, SIZE, WIDE, box_house, open_door_view, rendered
 from views import camera_looking
 
 from plan2scene.datasets.assignments import PhotoAssignment, read_assignment
 from plan2scene.errors import InputError
+from plan2scene.house import Opening, Wall
 from plan2scene.io import read_json, write_json
 from plan2scene.photos.camera.calibration import canonical
 from plan2scene.photos.labels.palette import (
+    WINDOW,
     read_probability_png,
     without_openings,
     write_label_png,
     write_probability_png,
 )
+from plan2scene.photos.locate.likelihood import agreement, log_table, make_profile
 from plan2scene.photos.locate.locate_photos import (
     Shot,
     locate_photos,
     locate_shots,
     write_photo_rooms,
 )
+from plan2scene.photos.locate.locate_settings import LOCATE
+from plan2scene.photos.locate.plan_view import look, room_shapes
 from plan2scene.photos.locate.pose import Pose, pose_from_json, pose_to_json, read_poses, turned
 
 
@@ -159,3 +166,26 @@ def test_the_room_of_a_photo_is_found_or_asked_for(tmp_path, caplog):
     # A house of which no photo finds its place is made all the same.
     assert write_photo_rooms(house, {"b.jpg": []}, output, rooms, placed) == {}
     assert read_assignment(placed, house) == (PhotoAssignment("", "b.jpg"),)
+
+
+def test_a_window_that_is_seen_through_an_open_door_counts():
+    house, pose, labels, ends = open_door_view()
+    # The store's far wall has a window, which the photo shows.
+    far = WIDE + 2.1
+    hole = Opening("far", "window", 0.4, 1.6, 1.0, 1.9)
+    wall = Wall("far", ("store",), (far, 0.0), (far, 2.0), HEIGHT, openings=(hole,))
+    seen = (np.abs(ends[..., 0] - far) < 1e-6) & (ends[..., 2] > 0.4) & (ends[..., 2] < 1.6)
+    seen &= (ends[..., 1] > 1.0) & (ends[..., 1] < 1.9)
+    assert seen.sum() > 50
+    shown = np.where(seen, WINDOW, labels).astype(np.uint8)
+    with_window = replace(house, walls=(*house.walls, wall))
+
+    def score(plan, mask):
+        table = log_table(openings=True)
+        profile = make_profile(mask, pose.camera, table, LOCATE.fine_blur, None)
+        eyes = np.tile(np.array(pose.eye)[[0, 2]], (len(profile.azimuth), 1))
+        sight = look(room_shapes(plan), "room", eyes, profile.azimuth)
+        return float(agreement(profile, room_shapes(plan), "room", sight, pose.eye[1:2])[0, 0])
+
+    assert score(with_window, shown) > score(house, shown)
+    assert score(with_window, labels) < score(house, labels)

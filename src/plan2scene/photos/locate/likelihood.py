@@ -9,6 +9,7 @@ a photo.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import cv2
@@ -24,8 +25,8 @@ OPENING = len(LABELS_AND_OPENINGS)
 N_LABELS = OPENING + 1
 #: Classes of what the plan shows: the room itself, then through a hole (``kind``, ``behind``).
 ROOM = {"floor": 0, "wall": 1, "ceiling": 2}
-BEHIND = ("floor", "wall", "ceiling", "unknown")
 HOLES = ("door", "window", "passage")
+BEHIND = ("floor", "wall", "ceiling", "unknown", *HOLES)
 N_CLASSES = 3 + len(HOLES) * len(BEHIND)
 
 
@@ -44,7 +45,9 @@ def log_table(*, openings: bool) -> np.ndarray:
     for kind in HOLES:
         shut, share = np.array(LOCATE.hole_rows[kind]), LOCATE.seen_through[kind]
         for behind in BEHIND:
-            seen = shut if behind == "unknown" else table[ROOM[behind], :OPENING]
+            seen = np.array(LOCATE.hole_rows.get(behind, shut))
+            if behind in ROOM:
+                seen = table[ROOM[behind], :OPENING]
             table[hole_class(kind, behind), :OPENING] = (1 - share) * shut + share * seen
     if not openings:
         hidden = [OTHER, DOOR, WINDOW]
@@ -151,13 +154,19 @@ def make_profile(
     return Profile(azimuth, lowest, sums)
 
 
-def agreement(profile: Profile, shape: RoomShape, sight: Sight, heights: np.ndarray) -> np.ndarray:
+def agreement(
+    profile: Profile,
+    shapes: Mapping[str, RoomShape],
+    room_id: str,
+    sight: Sight,
+    heights: np.ndarray,
+) -> np.ndarray:
     """Return the mean log probability (p, c) of a mask's pixels from p eyes at c heights, metres.
 
     `sight` has the directions of eye 0, then of eye 1, ...; each eye's are the profile's columns.
     A door is open or shut as a whole, whichever agrees better with what the eye sees of it.
     """
-    columns = len(profile.azimuth)
+    shape, columns = shapes[room_id], len(profile.azimuth)
     eyes = len(sight.reach) // columns
     index = np.tile(np.arange(columns), eyes)
     met = [np.flatnonzero(sight.hole == number) for number in range(len(shape.holes))]
@@ -171,7 +180,7 @@ def agreement(profile: Profile, shape: RoomShape, sight: Sight, heights: np.ndar
         total = bare.reshape(eyes, columns).sum(axis=1)
         for hole, at in zip(shape.holes, met, strict=True):
             if len(at):
-                states = _through(profile, hole, sight.of(at), index[at], foot[at], height)
+                states = _through(profile, shapes, hole, sight.of(at), index[at], foot[at], height)
                 sums = [np.bincount(at // columns, state, minlength=eyes) for state in states]
                 total += np.max(sums, axis=0)
         totals.append(total)
@@ -179,11 +188,18 @@ def agreement(profile: Profile, shape: RoomShape, sight: Sight, heights: np.ndar
 
 
 def _through(
-    profile: Profile, hole: Hole, sight: Sight, index: np.ndarray, foot: np.ndarray, height: float
+    profile: Profile,
+    shapes: Mapping[str, RoomShape],
+    hole: Hole,
+    sight: Sight,
+    index: np.ndarray,
+    foot: np.ndarray,
+    height: float,
 ) -> list[np.ndarray]:
     """Return by how much (n,) a hole changes the log probability of directions that meet it.
 
-    One array for each state that it may be in: shut, and open to the room behind.
+    One array for each state that it may be in: shut, and open to the room behind, whose own
+    openings are seen with it.
     """
     bottom = np.maximum(profile.row((hole.bottom - height) / sight.reach), foot)
     top = np.maximum(profile.row((hole.top - height) / sight.reach), bottom)
@@ -201,5 +217,21 @@ def _through(
         profile.between(hole_class(hole.kind, behind), index, low, high)
         for behind, (low, high) in zip(BEHIND, parts, strict=False)
     ]
-    opened = np.where(known, sum(seen) - wall, shut)
+    total = np.sum(seen, axis=0)
+    holes = shapes[hole.room_behind].holes if hole.room_behind else ()
+    for number, other in enumerate(holes):
+        at = np.flatnonzero(sight.beyond_hole == number)
+        if not len(at):
+            continue
+        low, high = (
+            np.clip(profile.row((up - height) / beyond[at]), far_foot[at], far_head[at])
+            for up in (other.bottom, other.top)
+        )
+        there, bare = (
+            profile.between(hole_class(hole.kind, kind), index[at], low, high)
+            for kind in (other.kind, "wall")
+        )
+        # A leaf looks like a wall as often as not, and may be open.
+        total[at] += np.maximum(there - bare, 0.0) if other.kind == "door" else there - bare
+    opened = np.where(known, total - wall, shut)
     return [opened] if hole.kind == "passage" else [shut, opened]

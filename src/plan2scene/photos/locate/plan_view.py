@@ -56,6 +56,7 @@ class Sight:
     hole: np.ndarray  #: index of the opening met there, of the room's; -1 for none
     beyond: np.ndarray  #: to the edge of the room behind that opening; NaN where none is known
     beyond_edge: np.ndarray  #: index of that edge; -1 where none is known
+    beyond_hole: np.ndarray  #: index of the opening met there, of the room behind; -1 for none
     beyond_height: np.ndarray  #: of the room behind; NaN where none is known
 
     def of(self, directions: np.ndarray) -> Sight:
@@ -87,19 +88,28 @@ def look(
     shape = shapes[room_id]
     ways = np.stack([np.sin(azimuth), np.cos(azimuth)], axis=1)
     reach, edge, at = _first_exit(shape, eyes, ways, np.zeros(len(eyes)))
-    hole, beyond_edge = np.full(len(eyes), -1), np.full(len(eyes), -1)
+    hole = _hole_met(shape, edge, at)
+    beyond_edge, beyond_hole = np.full(len(eyes), -1), np.full(len(eyes), -1)
     beyond, beyond_height = np.full(len(eyes), np.nan), np.full(len(eyes), np.nan)
     for index, opening in enumerate(shape.holes):
-        met = (edge == opening.edge) & (at > opening.start) & (at < opening.end) & (hole < 0)
+        met = hole == index
         if not met.any():
             continue
-        hole[met] = index
         if opening.room_behind is not None:
             behind = shapes[opening.room_behind]
             exits = _first_exit(behind, eyes[met], ways[met], reach[met] + LOCATE.entry_m)
             beyond[met], beyond_edge[met] = exits[:2]
             beyond_height[met] = behind.height
-    return Sight(reach, edge, at, hole, beyond, beyond_edge, beyond_height)
+            beyond_hole[met] = _hole_met(behind, exits[1], exits[2])
+    return Sight(reach, edge, at, hole, beyond, beyond_edge, beyond_hole, beyond_height)
+
+
+def _hole_met(shape: RoomShape, edge: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Return the index (n,) of the opening that lies `at` metres along edges; -1 for none."""
+    met = np.full(len(edge), -1)
+    for index, hole in reversed(list(enumerate(shape.holes))):
+        met[(edge == hole.edge) & (at > hole.start) & (at < hole.end)] = index
+    return met
 
 
 def _first_exit(

@@ -135,7 +135,7 @@ class RoomSearch:
             azimuth = profile.azimuth + turn + view.quarters * np.pi / 2
             at, ways = np.repeat(eyes, columns, axis=0), np.tile(azimuth, len(eyes))
             sight = look(self._shapes, self.room_id, at, ways)
-            total += agreement(profile, self._shapes[self.room_id], sight, heights)
+            total += agreement(profile, self._shapes, self.room_id, sight, heights)
         return total / np.sqrt(len(profiles))
 
 
