@@ -36,7 +36,6 @@ def _record(required: Mapping[str, Any], **optional: Mapping[str, Any]) -> dict[
 _TEXT = {"type": "string"}
 _NUMBER = {"type": "number", "minimum": -1e6, "maximum": 1e6}
 _POSITIVE = {"type": "number", "exclusiveMinimum": 0, "maximum": 1e6}
-_COUNT = {"type": "integer", "minimum": 0, "maximum": 1e9}
 #: A room of the plan.
 _ROOM = {"$ref": "#/$defs/room"}
 _SHARE = {"type": "number", "minimum": 0, "maximum": 1}
@@ -76,7 +75,6 @@ _SURFACES = {"propertyNames": {"pattern": "/"}}
 FORMS: dict[str, dict[str, Any]] = {
     "cameras": _object(_CAMERA),
     "kinds": _record({"source": _TEXT, "photos": _object(_list(_SHARE, 6))}),
-    "matches": _list({**_list({}, 3), "prefixItems": [_TEXT, _TEXT, _COUNT]}),
     "spots": _list({**_list({}, 3), "prefixItems": [_TEXT, _TEXT, {"enum": [0, 1, 2, 3]}]}),
     "warnings": _list(_TEXT),
     "photo_rooms": _object(_list(_ROOM)),

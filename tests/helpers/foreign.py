@@ -326,7 +326,6 @@ MAP = {"origin_m": [0, 0], "extent_m": [2, 3.5], "px_per_m": 100, "pattern": "pl
 LEFT = {
     "cameras": {"a.jpg": CAMERA, "b.jpg": CAMERA | {"room_id": None, "rooms": {"hall": 0.5}}},
     "kinds": {"source": "embedded", "photos": {"a.jpg": [0.5, 0.1, 0.1, 0.1, 0.1, 0.1]}},
-    "matches": [["a.jpg", "b.jpg", 12]],
     "spots": [["a.jpg", "b.jpg", 3]],
     "warnings": ["photo a.jpg left out: no picture"],
     "photo_rooms": {"a.jpg": ["living", "hall"]},

@@ -27,7 +27,7 @@ def test_other_shapes_are_named_with_what_makes_the_file_anew(form, other, tmp_p
         ("light", '{"gains": {"a": [1, 1, 1e999]}}', r"\$.gains.a\[2\]: inf is greater"),
         ("photo_rooms", '{"a": ["attic"]}', r"\$.a\[0\]: 'attic' is not one of \['living'"),
         ("cameras", json.dumps({"a": LEFT["cameras"]["a.jpg"] | {"room_id": "attic"}}), "attic"),
-        ("matches", '[["a", "b"', "Expecting"),
+        ("spots", '[["a", "b"', "Expecting"),
     ],
 )
 def test_wrong_values_and_half_files(form, text, found, tmp_path):

@@ -29,7 +29,6 @@ from plan2scene.photos.labels.palette import (
     CEILING,
     FLOOR,
     KINDS_FILE,
-    MATCHES_FILE,
     OTHER,
     PROBABILITIES,
     SPOTS_FILE,
@@ -40,14 +39,7 @@ from plan2scene.photos.labels.palette import (
     write_probability_png,
 )
 from plan2scene.photos.labels.watermark import reduced, watermarks
-from plan2scene.photos.matches import (
-    SPOTS,
-    Points,
-    find_points,
-    match_photos,
-    same_spot,
-    same_things,
-)
+from plan2scene.photos.matches import Points, find_points, same_spot, same_things
 from plan2scene.photos.photo_files import read_photo
 
 _log = logging.getLogger("plan2scene")
@@ -73,15 +65,14 @@ def make_masks(
     warning, too. `label` returns what labels the photos; it is not called for a house without any.
     `out_dir` is replaced as a whole: ``{stem}.png`` labels at the size that `read_photo` gives,
     ``probabilities/{stem}.png`` where the source tells them, ``cameras.json``,
-    ``segments.parquet``, ``kinds.json``, ``matches.json``, ``turns.json``, ``spots.json``,
+    ``segments.parquet``, ``kinds.json``, ``turns.json``, ``spots.json``,
     ``warnings.json`` (``docs/conventions.md``).
 
     `fov_deg` is the horizontal field of view in degrees where neither EXIF data nor vanishing
     points give one, nor those of the other photos; `known_fov_deg` that of all photos along their
     longer side, which goes before EXIF data. `find_rooms` names what tells what rooms are used for
-    (``photos.kinds``); without it rooms are not found, and ``kinds.json`` and ``matches.json``,
-    which only tell that, are empty. `threads` photos are worked on at a time; the result does not
-    depend on it.
+    (``photos.kinds``); without it rooms are not found, and ``kinds.json`` is empty. `threads`
+    photos are worked on at a time; the result does not depend on it.
     """
     _refuse_equal_stems(photos, house_id)
     with atomic_directory(out_dir) as folder:
@@ -109,13 +100,10 @@ def make_masks(
         write_json(folder / "cameras.json", {name: c.to_json() for name, c in cameras.items()})
         kinds = {name: shot.kinds for name, shot in shots.items() if shot.kinds}
         write_json(folder / KINDS_FILE, {"source": find_rooms or "", "photos": kinds})
-        points = {name: shot.points for name, shot in shots.items() if shot.points is not None}
-        matches = match_photos(points)
-        write_json(folder / MATCHES_FILE, [[*pair, count] for pair, count in matches.items()])
-        few = {name: shot.spot_points for name, shot in shots.items()}
+        points = {name: shot.points for name, shot in shots.items()}
         for file, turned in (
-            (TURNS_FILE, same_things(few, cameras)),
-            (SPOTS_FILE, same_spot(few, cameras)),
+            (TURNS_FILE, same_things(points, cameras)),
+            (SPOTS_FILE, same_spot(points, cameras)),
         ):
             write_json(folder / file, [[*pair, quarters] for pair, quarters in turned.items()])
         write_segments(folder / SEGMENTS, {name: shot.segments for name, shot in shots.items()})
@@ -131,8 +119,7 @@ class _Shot:
     segments: PhotoSegments
     exif: ExifFocal
     kinds: list[float]  #: how probable each of `palette.KINDS` is; none where nothing tells it
-    points: Points | None  #: that tell its room; none where that is known
-    spot_points: Points  #: that tell with which other photos it shares its spot
+    points: Points  #: that tell with which other photos it shares its spot or what it sees
     grey: np.ndarray  #: of `watermark.reduced`
 
 
@@ -201,10 +188,8 @@ def _label_photo(
     kinds = labeller.kinds(image).tolist() if find_rooms and labeller.kinds else []
     if kinds and not any(kinds) and np.isin(plain, (FLOOR, CEILING)).mean() > _OF_A_ROOM:
         kinds = []  # a conservatory, not a garden
-    points = find_points(image) if find_rooms else None
-    spot = find_points(image, SPOTS)
     told = [round(p, 4) for p in kinds]
-    return _Shot(camera, segments, exif, told, points, spot, reduced(image)), lines
+    return _Shot(camera, segments, exif, told, find_points(image), reduced(image)), lines
 
 
 def _focal_warnings(camera: Camera, exif: ExifFocal) -> list[str]:

@@ -21,16 +21,12 @@ from plan2scene.seeds import generator
 class MatchSettings:
     """Constants of the matching of photos. Source: set by hand on a listing (development)."""
 
-    side_px: int = 800  #: longer side that photos are reduced to, pixels
-    #: Most points of a photo; fewer of each where there are more photos than `usual_photos`.
-    points: int = 900
-    usual_photos: int = 48
+    side_px: int = 400  #: longer side that photos are reduced to, pixels
+    points: int = 400  #: most points of a photo
     contrast: float = 0.02  #: least contrast of a point (OpenCV's SIFT)
     ratio: float = 0.8  #: A match is nearer than the second best by this (Lowe 2004)
     apart_px: float = 6.0  #: points at the same place of both photos belong to a watermark, pixels
-    #: Distance to the epipolar line of a match that agrees with the others, pixels.
-    agrees_px: float = 1.5
-    least: int = 8  #: fewer matches than this are not looked at, fewer that agree count as none
+    least: int = 8  #: fewer matches than this are not looked at
 
 
 @dataclass(frozen=True)
@@ -41,8 +37,6 @@ class SpotSettings:
     less of others.
     """
 
-    side_px: int = 400  #: longer side that photos are reduced to, pixels
-    points: int = 400  #: most points of a photo
     agrees_deg: float = 3.0  #: a point is seen in one direction within this, degrees
     share: float = 0.5  #: least share of the matches that are
 
@@ -78,44 +72,19 @@ class Points:
     zoom: float = 1.0  #: side of the reduced photo by that of the photo
 
 
-def find_points(image: np.ndarray, settings: MatchSettings | SpotSettings = MATCHES) -> Points:
+def find_points(image: np.ndarray) -> Points:
     """Return the points of a (h, w, 3) uint8 sRGB photo, the clearest first."""
-    zoom = min(1.0, settings.side_px / max(image.shape[:2]))
+    zoom = min(1.0, MATCHES.side_px / max(image.shape[:2]))
     small = cv2.resize(image, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA)
     grey = cv2.createCLAHE(2.0, (8, 8)).apply(cv2.cvtColor(small, cv2.COLOR_RGB2GRAY))
-    finder = cv2.SIFT.create(settings.points, contrastThreshold=MATCHES.contrast)
+    finder = cv2.SIFT.create(MATCHES.points, contrastThreshold=MATCHES.contrast)
     found, looks = finder.detectAndCompute(grey, None)
     if not found:
         return Points(np.zeros((0, 2), np.float32), np.zeros((0, 128), np.float32))
-    order = np.argsort([-point.response for point in found], kind="stable")[: settings.points]
+    order = np.argsort([-point.response for point in found], kind="stable")[: MATCHES.points]
     roots = np.sqrt(looks / np.maximum(looks.sum(axis=1, keepdims=True), 1e-9))
     places = np.array([point.pt for point in found], np.float32)
     return Points(places[order], roots[order].astype(np.float32), zoom)
-
-
-def match_photos(photos: Mapping[str, Points]) -> dict[tuple[str, str], int]:
-    """Return how many points each pair of photos shares, the lesser name first; none of no pair."""
-    most = int(min(1.0, MATCHES.usual_photos / max(1, len(photos))) * MATCHES.points)
-    kept = {name: Points(p.places[:most], p.looks[:most]) for name, p in photos.items()}
-    counts = {
-        pair: shared_points(kept[pair[0]], kept[pair[1]])
-        for pair in itertools.combinations(sorted(kept), 2)
-    }
-    return {pair: count for pair, count in counts.items() if count}
-
-
-def shared_points(one: Points, other: Points) -> int:
-    """Return how many points of two photos match and agree with one motion of the camera."""
-    here, there = _matches(one, other)
-    if len(here) < MATCHES.least:
-        return 0
-    try:
-        how = (cv2.USAC_MAGSAC, MATCHES.agrees_px, 0.999, 1000)
-        _, inliers = cv2.findFundamentalMat(one.places[here], other.places[there], *how)
-    except cv2.error:  # no motion fits any of the samples
-        return 0
-    count = 0 if inliers is None else int(inliers.sum())
-    return count if count >= MATCHES.least else 0
 
 
 def same_spot(

@@ -62,7 +62,6 @@ def test_a_plan_that_tells_its_heights_keeps_them(tmp_path):
     write_json(tmp_path / "cameras.json", entries)
     for file, content in (
         ("kinds.json", {"source": "embedded", "photos": {}}),
-        ("matches.json", []),
         ("spots.json", []),
         ("turns.json", []),
     ):

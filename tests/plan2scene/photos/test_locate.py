@@ -100,7 +100,6 @@ def test_the_stage_writes_every_camera(tmp_path):
     cameras = {f"{name}.jpg": photo.camera.to_json() for name in ("a", "b")}
     write_json(masks / "cameras.json", cameras)
     write_json(masks / "kinds.json", {"source": "embedded", "photos": {}})
-    write_json(masks / "matches.json", [])
     write_json(masks / "spots.json", [])
     write_json(masks / "turns.json", [])
     output = tmp_path / "cameras.json"
@@ -126,7 +125,6 @@ def test_the_room_of_a_photo_is_found_or_asked_for(tmp_path, caplog):
     known = photo.camera.to_json()
     write_json(masks / "cameras.json", {"a.jpg": known, "b.jpg": {**known, "fallback": True}})
     write_json(masks / "kinds.json", {"source": "embedded", "photos": {}})
-    write_json(masks / "matches.json", [])
     write_json(masks / "spots.json", [])
     write_json(masks / "turns.json", [])
     output = tmp_path / "cameras.json"

@@ -8,7 +8,7 @@ from views import camera_looking
 from plan2scene.photos.camera.calibration import canonical
 from plan2scene.photos.locate.locate_photos import Shot, locate_shots
 from plan2scene.photos.locate.spots import spots_of
-from plan2scene.photos.matches import Points, same_spot, same_things
+from plan2scene.photos.matches import Points, find_points, same_spot, same_things
 
 #: Headings of photos, degrees, and how their frames turn into each other.
 HEADINGS = {"a": 10.0, "b": 62.0, "c": 118.0}
@@ -68,6 +68,20 @@ def test_spots_follow_ties_while_a_room_is_common():
     assert first.quarters == {"a": 0, "b": 3, "c": 1}
     assert first.rooms == ("hall",)
     assert (last.quarters, last.rooms) == ({"d": 0}, ("bed",))
+
+
+def test_points_of_one_wall_are_found_again_but_not_a_watermark():
+    rng = np.random.default_rng(0)
+    blocks, other = (
+        np.kron(rng.integers(0, 255, (60, 80, 3)), np.ones((8, 8, 1))).astype(np.uint8)
+        for _ in range(2)
+    )
+    marked = other.copy()
+    marked[100:200, 100:260] = blocks[100:200, 100:260]
+    photos = {"a": blocks[:400, :560], "b": blocks[20:420, 60:620], "c": marked[:400, :560]}
+    camera = camera_looking((400, 560), heading_deg=0.0, pitch_deg=0.0, focal=400.0)
+    points = {name: find_points(image) for name, image in photos.items()}
+    assert same_things(points, dict.fromkeys(photos, camera)) == {("a", "b"): 0}
 
 
 def test_things_that_do_not_match_tie_no_photos():

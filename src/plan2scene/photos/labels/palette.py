@@ -27,10 +27,8 @@ OTHER, FLOOR, WALL, CEILING, DOOR, WINDOW = range(6)
 LABELS_AND_OPENINGS = (*LABELS, "door", "window")
 IGNORE = 255
 #: What a photographed room may be used for; files of a masks folder with how probable that is for
-#: each photo, with the photos that show the same things, those of them whose frames are known to
-#: be turned, and those from one spot.
-KINDS_FILE, MATCHES_FILE = "kinds.json", "matches.json"
-TURNS_FILE, SPOTS_FILE = "turns.json", "spots.json"
+#: each photo, with the photos that see the same things, and with those from one spot.
+KINDS_FILE, TURNS_FILE, SPOTS_FILE = "kinds.json", "turns.json", "spots.json"
 KINDS = ("Reception", "Bedroom", "Kitchen", "Bathroom", "Corridor", "Closet")
 PROBABILITIES = "probabilities"  #: Folder of a masks folder with how likely each label is
 #: sRGB colour of each label in the palette PNG and in overlays.

@@ -22,7 +22,6 @@ from plan2scene.parallel import each
 from plan2scene.photos.labels.palette import (
     DOOR,
     KINDS_FILE,
-    MATCHES_FILE,
     PROBABILITIES,
     SPOTS_FILE,
     TURNS_FILE,
@@ -72,7 +71,6 @@ class Shots:
     shots: dict[str, Shot]
     #: What told the kinds of rooms of photos without a room in the table.
     told_by: dict[str, list[str]]
-    matches: dict[tuple[str, str], int]
     turns: dict[tuple[str, str], int]
     spots: dict[tuple[str, str], int]
     #: Of all photos of the folder.
@@ -92,14 +90,13 @@ class Located:
 def locate_shots(
     house: House,
     shots: Mapping[str, Shot],
-    matches: Mapping[tuple[str, str], int] | None = None,
     same_spot: Turned | None = None,
     same_things: Turned | None = None,
     threads: int = 1,
 ) -> Located:
     """Return the rooms of photos and their poses in them.
 
-    `matches` as of :func:`.which_room.room_probabilities`; photos of the `same_spot` are located
+    Photos of the `same_spot` are located
     together, those of the `same_things` have headings that go together. `threads` spots are
     searched at a time; the result does not depend on it.
     """
@@ -127,7 +124,7 @@ def locate_shots(
         for name in spot.quarters
     }
     tied = {**(same_spot or {}), **(same_things or {})}
-    rooms = _rooms(house, shots, scores, matches or {}, tied)
+    rooms = _rooms(house, shots, scores, tied)
     likely = {name: likely_room(house, every) for name, every in rooms.items()}
     told = {room for name in framed if name not in likely for room in shots[name].rooms}
     used = used_photos(likely, told)
@@ -165,7 +162,6 @@ def _rooms(
     house: House,
     shots: Mapping[str, Shot],
     scores: Mapping[str, Mapping[str, float]],
-    matches: Mapping[tuple[str, str], int],
     tied: Turned,
 ) -> dict[str, dict[str, float]]:
     """Return how probable each room is for the photos whose room is not told."""
@@ -177,7 +173,7 @@ def _rooms(
     }
     if all(item.told for item in evidence.values()):
         return {}
-    every = room_probabilities(house, evidence, matches, tied)
+    every = room_probabilities(house, evidence, tied)
     return {name: rooms for name, rooms in every.items() if not evidence[name].told}
 
 
@@ -264,7 +260,7 @@ def locate_photos(
     not depend on it.
     """
     read = read_shots(house, rooms_of_photo, masks_dir, name_hints=name_hints)
-    located = locate_shots(house, read.shots, read.matches, read.spots, read.turns, threads)
+    located = locate_shots(house, read.shots, read.spots, read.turns, threads)
     entries = {}
     for name in sorted(read.cameras):
         entries[name] = pose_to_json(read.cameras[name], located.poses.get(name))
@@ -309,14 +305,11 @@ def read_shots(
             read_probability_png(likely, house_id=house.id) if likely.exists() else None,
             hints,
         )
-    matches = {
-        (a, b): int(count) for a, b, count in read_stage_json(folder / MATCHES_FILE, "matches")
-    }
     turns, spots = (
         {(a, b): int(quarters) for a, b, quarters in read_stage_json(folder / file, "spots")}
         for file in (TURNS_FILE, SPOTS_FILE)
     )
-    return Shots(shots, told_by, matches, turns, spots, cameras)
+    return Shots(shots, told_by, turns, spots, cameras)
 
 
 def write_photo_rooms(

@@ -49,15 +49,13 @@ class WhichRoomSettings:
     unknown: float = 0.2
     #: Of a name whose words are all those of a room.
     name: float = 5.0
-    #: Of photos that match: for each e-fold of matched points beyond the first number.
-    match: float = 2.0
-    matched: float = 14.0
-    most_match: float = 4.0
-    #: Photos that match are wrong together: what each tells, and how often its room is
-    #: photographed, counts less, by this power of how many.
+    #: Of photos that see the same things.
+    tie: float = 4.0
+    #: They are wrong together: what each tells, and how often its room is photographed, counts
+    #: less, by this power of how many.
     repeated: float = 0.5
-    #: Share of that where the rooms are open to each other.
-    open_match: float = 0.7
+    #: Share of a tie where the rooms are open to each other.
+    open_tie: float = 0.7
     #: How often rooms are photographed, by type; others as a closet.
     photographed: dict[str, float] = field(
         default_factory=lambda: {
@@ -114,21 +112,19 @@ class PhotoEvidence:
 def room_probabilities(
     house: House,
     photos: Mapping[str, PhotoEvidence],
-    matches: Mapping[tuple[str, str], int],
-    tied: Collection[tuple[str, str]] = (),
+    tied: Collection[tuple[str, str]],
 ) -> dict[str, dict[str, float]]:
     """Return how probable each room is for each photo; `NOWHERE` for none.
 
-    `matches` are the points that two photos share (a pair of names, the lesser first); photos that
-    are `tied` surely show the same things. Gibbs sampling of the rooms of all photos, alone and
-    together with those that match: the same input gives the same numbers.
+    `tied` are the pairs of photos that see the same things. Gibbs sampling of the rooms of all
+    photos, alone and together with those that they are tied to: the same input gives the same
+    numbers.
     """
     names, rooms = sorted(photos), [room.id for room in house.rooms]
     if not names:
         return {}
-    pairs = _pairs(names, matches, tied)
-    alike = [1.0 + sum(min(weight, 1.0) for _, weight in others) for others in pairs]
-    weight = np.array(alike) ** -WHICH.repeated
+    pairs = _pairs(names, tied)
+    weight = np.array([1.0 + len(others) for others in pairs]) ** -WHICH.repeated
     alone = weight[:, None] * np.array([_alone(house, photos[name]) for name in names])
     known = [photos[name].tells or bool(pairs[k]) for k, name in enumerate(names)]
     near = _nearness(house)
@@ -146,8 +142,8 @@ def room_probabilities(
         for more, k in enumerate(group):
             log += weight[k] * np.log(frequent + np.minimum(counts + more, 2.0) * 0.3)
         for k in group:
-            for other, tie in pairs[k]:
-                log += tie * (near.diagonal() / 2 if other in held else near[state[other]])
+            for other in pairs[k]:
+                log += WHICH.tie * (near.diagonal() / 2 if other in held else near[state[other]])
                 if len(group) > 1 and other not in held:
                     log[state[other]] = -np.inf  # there the group would be another one
         odds = np.exp(log - log.max())
@@ -249,13 +245,11 @@ def used_photos(likely: Mapping[str, Likely], told: Collection[str]) -> set[str]
     }
 
 
-def _together(
-    photo: int, state: np.ndarray, pairs: Sequence[Sequence[tuple[int, float]]]
-) -> list[int]:
-    """Return the photos in a photo's room that match it, those that match them, and so on."""
+def _together(photo: int, state: np.ndarray, pairs: Sequence[Sequence[int]]) -> list[int]:
+    """Return the photos in a photo's room that are tied to it, those tied to them, and so on."""
     found, todo = {photo}, [photo]
     while todo:
-        for other, _ in pairs[todo.pop()]:
+        for other in pairs[todo.pop()]:
             if other not in found and state[other] == state[photo]:
                 found.add(other)
                 todo.append(other)
@@ -306,7 +300,7 @@ def _frequency(house: House) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _nearness(house: House) -> np.ndarray:
-    """Return (rooms + 1, rooms + 1) of how much photos of two rooms may match."""
+    """Return (rooms + 1, rooms + 1) of how much photos of two rooms may be tied."""
     index = {room.id: k for k, room in enumerate(house.rooms)}
     near = np.eye(len(index) + 1)
     near[-1, -1] = 0.5
@@ -314,25 +308,16 @@ def _nearness(house: House) -> np.ndarray:
     for door in house.doors:
         if door.opening_id in open_ and door.room_b is not None:
             a, b = index[door.room_a], index[door.room_b]
-            near[a, b] = near[b, a] = WHICH.open_match
+            near[a, b] = near[b, a] = WHICH.open_tie
     return near
 
 
-def _pairs(
-    names: Sequence[str],
-    matches: Mapping[tuple[str, str], int],
-    tied: Collection[tuple[str, str]],
-) -> list[list[tuple[int, float]]]:
-    """Return for each photo the others that match it, and how much that tells."""
+def _pairs(names: Sequence[str], tied: Collection[tuple[str, str]]) -> list[list[int]]:
+    """Return for each photo the others that it is tied to."""
     index = {name: k for k, name in enumerate(names)}
-    tells = {
-        pair: min(WHICH.match * float(np.log(count / WHICH.matched)), WHICH.most_match)
-        for pair, count in matches.items()
-        if count > WHICH.matched
-    } | dict.fromkeys(tied, WHICH.most_match)
-    pairs: list[list[tuple[int, float]]] = [[] for _ in names]
-    for (a, b), tie in tells.items():
+    pairs: list[list[int]] = [[] for _ in names]
+    for a, b in tied:
         if a in index and b in index:
-            pairs[index[a]].append((index[b], tie))
-            pairs[index[b]].append((index[a], tie))
+            pairs[index[a]].append(index[b])
+            pairs[index[b]].append(index[a])
     return pairs
