@@ -80,6 +80,9 @@ class WhichRoomSettings:
     #: Rooms that no photo shows more surely are made of guesses more probable than this, or of a
     #: photo that shows `least` probably one of their kind.
     guess: float = 0.25
+    #: Of the guesses for a room those are used that are so nearly as probable as the best: others
+    #: are photos of other rooms, which would mix floors.
+    near_best: float = 0.8
     #: Sweeps of the sampler that count, those before, and groups that move in each.
     sweeps: int = 1500
     warm: int = 300
@@ -234,13 +237,20 @@ def used_photos(likely: Mapping[str, Likely], told: Collection[str]) -> set[str]
 
     Guesses are used for rooms that neither a surer photo nor the photo table (`told`) shows.
     """
-    sure = {room for room, p, _ in likely.values() if p >= WHICH.least} | set(told)
+    best = dict.fromkeys(told, 1.0)
+    for room, p, _ in likely.values():
+        best[room] = max(p, best.get(room, 0.0))
     return {
         photo
         for photo, (room, p, of_kind) in likely.items()
         if room != NOWHERE
         and (
-            p >= WHICH.least or (room not in sure and (p >= WHICH.guess or of_kind >= WHICH.least))
+            p >= WHICH.least
+            or (
+                best[room] < WHICH.least
+                and p >= WHICH.near_best * best[room]
+                and (p >= WHICH.guess or of_kind >= WHICH.least)
+            )
         )
     }
 
