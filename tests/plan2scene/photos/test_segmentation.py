@@ -7,14 +7,7 @@ import torch
 from plan2scene.camera import Camera
 from plan2scene.photos.labels.network import SegmentationNet
 from plan2scene.photos.labels.palette import DOOR, WINDOW, without_openings
-from plan2scene.photos.labels.segmentation import (
-    MEDIAN,
-    SCALES,
-    Segmenter,
-    brightened,
-    network_size,
-)
-from plan2scene_workshop.segmentation.run import ensemble_of
+from plan2scene.photos.labels.segmentation import MEDIAN, Segmenter, brightened
 
 TINY = {"widths": [8, 8, 8, 8, 8], "depths": [1, 1, 1, 1], "decoder": 16, "long_side": 64}
 
@@ -87,16 +80,3 @@ def test_dim_photos_are_brightened_and_others_are_not() -> None:
     assert (np.diff(brightened(dim)[0, :, 0].astype(int)) >= 0).all()
     assert np.array_equal(brightened(ramp), ramp)
     assert np.array_equal(brightened(ramp * 0), ramp * 0)  # nothing to see
-
-
-def test_a_network_beside_weighs_the_same_and_does_not_see_the_largest_size() -> None:
-    networks = [_tiny() for _ in range(3)]
-    for network, bias in zip(networks, (0.0, 3.0, 9.0), strict=True):
-        torch.nn.init.zeros_(network.head.weight)
-        torch.nn.init.constant_(network.head.bias, bias)
-    segmenter, seen = Segmenter(ensemble_of(networks[:2]), networks[2]), []
-    segmenter.further[0].register_forward_hook(lambda _net, given, _out: seen.append(given[0]))
-    np.testing.assert_allclose(segmenter.logits(_photo(48, 64), None), 4.0, atol=1e-5)
-    long_sides = [round(64 * scale) for scale in SCALES]
-    sizes = [network_size((48, 64), side) for side in long_sides]
-    assert [tuple(photo.shape[2:]) for photo in seen] == sizes[:-1]

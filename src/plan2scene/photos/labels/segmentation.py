@@ -104,8 +104,8 @@ class Segmenter:
 
     Each photo is seen at several sizes, and the answers are averaged: the smallest tells what is
     what, the largest where it ends. A network sees it mirrored at every other size, the next
-    network at those between: as good as both at each, in half the time. Networks beside it tell
-    what is what, and leave the largest size out (docs/measurements/segmentation.md).
+    network at those between: as good as both at each, in half the time
+    (docs/measurements/segmentation.md).
     """
 
     def __init__(self, network: Network, *further: SegmentationNet) -> None:
@@ -113,9 +113,9 @@ class Segmenter:
         self.network = network.eval()
         quick = folded(self.network)
         members = list(quick.members) if isinstance(quick, Ensemble) else [quick]
-        #: The networks, and those beside them, ready for inference.
+        members += [folded(member) for member in further]
+        #: The networks, ready for inference.
         self.members = cast("list[SegmentationNet]", members)
-        self.further = cast("list[SegmentationNet]", [folded(member) for member in further])
 
     def draft(self, image: np.ndarray) -> np.ndarray:
         """Return (h, w) uint8 labels 0 to 3 as the first network gives them at one size.
@@ -131,7 +131,7 @@ class Segmenter:
         With the network's adjustment of surfaces, divided by its temperature. Arguments as of
         :meth:`labels`.
         """
-        return self._seen(self.members, image, camera, SCALES, self.further)
+        return self._seen(self.members, image, camera, SCALES)
 
     def opened(self, logits: np.ndarray) -> np.ndarray:
         """Return :meth:`logits` with the adjustment of doors and windows, for who asks for them.
@@ -149,33 +149,21 @@ class Segmenter:
         image: np.ndarray,
         camera: Camera | None,
         scales: Sequence[float],
-        further: Sequence[SegmentationNet] = (),
     ) -> np.ndarray:
-        """Return the logits of a photo by networks at some sizes, small to large.
-
-        Those of `further` networks are of all but the largest size. All networks weigh the same.
-        """
+        """Return the logits of a photo by some of the networks at some sizes, small to large."""
         photo_size, image = (image.shape[0], image.shape[1]), brightened(image)
         sides = [round(self.network.long_side * scale) for scale in scales]
         sizes = [network_size(photo_size, side) for side in sides]
         columns, rows = sizes[-1][1] // 2, sizes[-1][0] // 2
-
-        def mean_of(networks: Sequence[SegmentationNet], size_count: int) -> np.ndarray:
-            total = np.zeros((int(self.network.architecture["labels"]), rows, columns), np.float32)
-            for k, size in enumerate(sizes[:size_count]):
-                answers = _logits_at(networks, image, camera, size, mirror_first=k % 2 == 1)
-                for plane, sum_ in zip(answers, total, strict=True):
-                    sum_ += cv2.resize(plane, (columns, rows), interpolation=cv2.INTER_LINEAR)
-            return total / size_count
-
-        mean = mean_of(members, len(sizes))
-        if further:
-            share = len(further) / (len(members) + len(further))
-            mean += share * (mean_of(further, len(sizes) - 1) - mean)
+        total = np.zeros((int(self.network.architecture["labels"]), rows, columns), np.float32)
+        for k, size in enumerate(sizes):
+            answers = _logits_at(members, image, camera, size, mirror_first=k % 2 == 1)
+            for plane, sum_ in zip(answers, total, strict=True):
+                sum_ += cv2.resize(plane, (columns, rows), interpolation=cv2.INTER_LINEAR)
         constants = self.network.architecture
         adjustment = np.array(constants["logit_adjustment"], np.float32)
         adjustment[len(LABELS) :] = 0
-        mean = mean + adjustment[:, None, None]
+        mean = total / len(sizes) + adjustment[:, None, None]
         return np.asarray(mean / constants["temperature"], dtype=np.float32)
 
     def labels(
