@@ -79,6 +79,7 @@ def test_two_rooms_from_nothing_to_a_glb(drawing, tmp_path):
         "room_2": ("Unknown",),
     }
     assert (rooms["My_kitchen"].name, rooms["My_kitchen"].height) == ("My kitchen", 2.5)
+    assert house.heights == ""  # told: photos do not change them
     assert house.adjacency() == (("My_kitchen", "room_2"),)
     kinds = sorted(o.kind for wall in house.walls for o in wall.openings)
     assert kinds == ["door", "window"]

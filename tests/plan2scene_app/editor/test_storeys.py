@@ -55,7 +55,9 @@ def test_a_copied_floor_and_stairs_make_a_house_of_two_storeys(two_floors, tmp_p
         {"id": "stairs", "from": [4.5, 2.8], "to": [4.5, 0.2], "width": 0.9, "level": "ground"}
     ]
     set_field(drawing, "Lies at", "0.2 m")
+    assert whole(drawing)["heights"] == "usual"
     set_field(drawing, "Ceilings at", "260 cm")
+    assert "heights" not in whole(drawing)
     set_field(drawing, "Floor name", "Parterre")
     (tmp_path / "plan.json").write_text(json.dumps(whole(drawing)))
     house = read_plan(tmp_path / "plan.json", "home")
