@@ -99,7 +99,7 @@ def with_ceilings(house: House, height: float) -> House:
         if levels:
             below = house.levels[len(levels) - 1]
             slab = level.elevation - below.elevation - below.height
-            elevation = levels[-1].elevation + height + slab
+            elevation = round(levels[-1].elevation + height + slab, 4)
         else:
             elevation = level.elevation
         levels.append(replace(level, elevation=elevation, height=height))
