@@ -75,7 +75,7 @@ function roomSection(app, room) {
   }, type);
   return section("Room",
     field("Name", "name", labelOf(room), (text, input) => rename(app, room.id, text, input)),
-    lengthField(app, "Height", "height", room.height ?? app.rules.limits.default_height, (v) => setHeights((r) => r.id === room.id, v)),
+    lengthField(app, "Height", "height", room.height ?? app.rules.limits.default_height, (v) => setHeights((r) => r.id === app.selection?.id, v)),
     el("p", { className: "soft" }, `${areaText(polygonArea(ringsOf(room)), app.feet)}. An open plan may have several types: hold Shift.`),
     el("div", { className: "types", role: "group", "aria-label": "Types of the room" }, app.rules.room_types.map(chip)),
     el("div", { className: "row" },
