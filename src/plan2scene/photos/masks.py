@@ -39,7 +39,7 @@ from plan2scene.photos.labels.palette import (
     write_probability_png,
 )
 from plan2scene.photos.labels.watermark import reduced, watermarks
-from plan2scene.photos.matches import Points, find_points, same_spot, same_things
+from plan2scene.photos.matches import Points, find_points, matched_rays, same_spot, same_things
 from plan2scene.photos.photo_files import read_photo
 
 _log = logging.getLogger("plan2scene")
@@ -101,10 +101,8 @@ def make_masks(
         kinds = {name: shot.kinds for name, shot in shots.items() if shot.kinds}
         write_json(folder / KINDS_FILE, {"source": find_rooms or "", "photos": kinds})
         points = {name: shot.points for name, shot in shots.items()}
-        for file, turned in (
-            (TURNS_FILE, same_things(points, cameras)),
-            (SPOTS_FILE, same_spot(points, cameras)),
-        ):
+        matches = list(matched_rays(points, cameras))
+        for file, turned in ((TURNS_FILE, same_things(matches)), (SPOTS_FILE, same_spot(matches))):
             write_json(folder / file, [[*pair, quarters] for pair, quarters in turned.items()])
         write_segments(folder / SEGMENTS, {name: shot.segments for name, shot in shots.items()})
         write_json(folder / "warnings.json", warnings)

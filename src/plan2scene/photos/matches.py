@@ -7,8 +7,9 @@ one camera to the other is all that is not: what agrees with one of each is no c
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -60,6 +61,14 @@ class TurnSettings:
     lead: float = 1.2  #: they are more than those that agree with another turn by this
 
 
+class SeenByBoth(NamedTuple):
+    """Points that two photos show, as rays of length 1 in each photo's Manhattan frame."""
+
+    pair: tuple[str, str]  #: the lesser name first
+    ahead: np.ndarray  #: (n, 3), of the first photo
+    seen: np.ndarray  #: (n, 3), of the second
+
+
 MATCHES, SPOTS, TURNS = MatchSettings(), SpotSettings(), TurnSettings()
 
 
@@ -87,16 +96,14 @@ def find_points(image: np.ndarray) -> Points:
     return Points(places[order], roots[order].astype(np.float32), zoom)
 
 
-def same_spot(
-    photos: Mapping[str, Points], cameras: Mapping[str, Camera]
-) -> dict[tuple[str, str], int]:
+def same_spot(seen_by_both: Sequence[SeenByBoth]) -> dict[tuple[str, str], int]:
     """Return the pairs of photos from one spot, the lesser name first, and how they are turned.
 
     That is in quarter turns, 0 to 3: by how much the azimuth of a thing in the first photo's
-    Manhattan frame is larger than in the second's. `cameras` without a frame are left out.
+    Manhattan frame is larger than in the second's.
     """
     found = {}
-    for pair, ahead, seen in _seen_by_both(photos, cameras):
+    for pair, ahead, seen in seen_by_both:
         agree = [
             (np.sum(ahead * turned, axis=1) > np.cos(np.radians(SPOTS.agrees_deg))).sum()
             for turned in _quarter_turns(seen)
@@ -107,15 +114,13 @@ def same_spot(
     return found
 
 
-def same_things(
-    photos: Mapping[str, Points], cameras: Mapping[str, Camera]
-) -> dict[tuple[str, str], int]:
+def same_things(seen_by_both: Sequence[SeenByBoth]) -> dict[tuple[str, str], int]:
     """Return the pairs of photos that see the same things, with their turns as `same_spot`.
 
     So many of their matches agree with one turn and one way between the eyes that it is no chance.
     """
     found = {}
-    for pair, ahead, seen in _seen_by_both(photos, cameras):
+    for pair, ahead, seen in seen_by_both:
         rng = generator(0, "same things", *pair)
         starts = rng.integers(len(ahead), size=(TURNS.ways, 2))
         agree = [_moved(ahead, turned, starts) for turned in _quarter_turns(seen)]
@@ -149,10 +154,10 @@ def _moved(ahead: np.ndarray, seen: np.ndarray, starts: np.ndarray) -> int:
     return int(meets.sum(axis=1).max())
 
 
-def _seen_by_both(
+def matched_rays(
     photos: Mapping[str, Points], cameras: Mapping[str, Camera]
-) -> Iterator[tuple[tuple[str, str], np.ndarray, np.ndarray]]:
-    """Yield the pairs of photos with a frame that match, and the rays (n, 3) of the matches."""
+) -> Iterator[SeenByBoth]:
+    """Yield the pairs of photos that match; `cameras` without a frame are left out."""
     rays = {
         name: cameras[name].rays((points.places + 0.5) / points.zoom - 0.5)
         for name, points in photos.items()
@@ -161,7 +166,7 @@ def _seen_by_both(
     for one, other in itertools.combinations(sorted(rays), 2):
         here, there = _matches(photos[one], photos[other])
         if len(here) >= MATCHES.least:
-            yield (one, other), rays[one][here], rays[other][there]
+            yield SeenByBoth((one, other), rays[one][here], rays[other][there])
 
 
 def _quarter_turns(rays: np.ndarray) -> list[np.ndarray]:

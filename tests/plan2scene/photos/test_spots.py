@@ -8,7 +8,7 @@ from views import camera_looking
 from plan2scene.photos.camera.calibration import canonical
 from plan2scene.photos.locate.locate_photos import Shot, locate_shots
 from plan2scene.photos.locate.spots import spots_of
-from plan2scene.photos.matches import Points, find_points, same_spot, same_things
+from plan2scene.photos.matches import Points, find_points, matched_rays, same_spot, same_things
 
 #: Headings of photos, degrees, and how their frames turn into each other.
 HEADINGS = {"a": 10.0, "b": 62.0, "c": 118.0}
@@ -45,7 +45,8 @@ def test_photos_are_tied_by_quarter_turns(shared, moved, tied):
         name: photographed(np.array([moved * k, 0.0, 0.0]), heading, points, looks)
         for k, (name, heading) in enumerate(HEADINGS.items())
     }
-    found = shared(*({name: shot[part] for name, shot in shots.items()} for part in (0, 1)))
+    parts = ({name: shot[part] for name, shot in shots.items()} for part in (0, 1))
+    found = shared(list(matched_rays(*parts)))
     turns = {name: turn_of(heading) for name, heading in HEADINGS.items()}
     pairs = [("a", "b"), ("b", "c")][:tied]
     assert found == {pair: (turns[pair[1]] - turns[pair[0]]) % 4 for pair in pairs}
@@ -58,7 +59,7 @@ def test_a_watermark_ties_no_photos():
     mark = Points(rng.uniform(20, 160, (40, 2)).astype(np.float32), looks)
     camera = photographed(np.zeros(3), 0.0, np.zeros((0, 3)), looks[:0])[1]
     for shared in (same_spot, same_things):
-        assert shared({"a": mark, "b": mark}, {"a": camera, "b": camera}) == {}
+        assert shared(list(matched_rays({"a": mark, "b": mark}, {"a": camera, "b": camera}))) == {}
 
 
 def test_spots_follow_ties_while_a_room_is_common():
@@ -81,7 +82,7 @@ def test_points_of_one_wall_are_found_again_but_not_a_watermark():
     photos = {"a": blocks[:400, :560], "b": blocks[20:420, 60:620], "c": marked[:400, :560]}
     camera = camera_looking((400, 560), heading_deg=0.0, pitch_deg=0.0, focal=400.0)
     points = {name: find_points(image) for name, image in photos.items()}
-    assert same_things(points, dict.fromkeys(photos, camera)) == {("a", "b"): 0}
+    assert same_things(list(matched_rays(points, dict.fromkeys(photos, camera)))) == {("a", "b"): 0}
 
 
 def test_things_that_do_not_match_tie_no_photos():
@@ -93,7 +94,7 @@ def test_things_that_do_not_match_tie_no_photos():
     chance = {
         name: Points(rng.uniform(20, 160, (60, 2)).astype(np.float32), looks) for name in "ab"
     }
-    assert same_things(chance, cameras) == {}
+    assert same_things(list(matched_rays(chance, cameras))) == {}
 
 
 def test_a_photo_that_sees_what_another_sees_has_a_heading_that_goes_with_it():

@@ -71,6 +71,7 @@ class Shots:
     shots: dict[str, Shot]
     #: What told the kinds of rooms of photos without a room in the table.
     told_by: dict[str, list[str]]
+    #: Photos that see the same things, and those of one spot (`spots.Turned`).
     turns: dict[tuple[str, str], int]
     spots: dict[tuple[str, str], int]
     #: Of all photos of the folder.
@@ -96,9 +97,8 @@ def locate_shots(
 ) -> Located:
     """Return the rooms of photos and their poses in them.
 
-    Photos of the `same_spot` are located
-    together, those of the `same_things` have headings that go together. `threads` spots are
-    searched at a time; the result does not depend on it.
+    Photos of the `same_spot` are located together, those of the `same_things` have headings that
+    go together. `threads` spots are searched at a time; the result does not depend on it.
     """
     shapes = room_shapes(house)
     openings = labelled_openings(shots.values())
