@@ -5,11 +5,21 @@ Agents draw walls solid and doors as a gap with a thin arc: a network sees wall 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import cv2
 import numpy as np
 from scipy import ndimage
 
-from plan2scene_app.tracing.settings import DOOR, OUTSIDE, ROOM, SETTINGS, WALL, WINDOW
+from plan2scene_app.tracing.settings import (
+    DOOR,
+    OUTSIDE,
+    PASSAGE,
+    ROOM,
+    SETTINGS,
+    WALL,
+    WINDOW,
+)
 
 
 def ink_of(image: np.ndarray) -> np.ndarray:
@@ -29,7 +39,9 @@ def drawn_solid(structure: np.ndarray, image: np.ndarray, ppm: float) -> bool:
 def with_drawn_doors(structure: np.ndarray, image: np.ndarray, ppm: float) -> np.ndarray:
     """Return the structure (h, w) uint8 with gaps in solid walls, and swings, as doors.
 
-    Left as it is where the walls are not drawn solid.
+    Gaps between rooms with a faint line at most are passages where they are wider than a door, or
+    where most doors of the plan are drawn with their swing. Left as it is where the walls are not
+    drawn solid.
     """
     ink = ink_of(image)
     solid = solid_walls(ink, ppm)
@@ -38,21 +50,32 @@ def with_drawn_doors(structure: np.ndarray, image: np.ndarray, ppm: float) -> np
     changed = structure.copy()
     thin = ndimage.binary_dilation(ink > SETTINGS.ink, np.ones((3, 3)))
     near = ndimage.binary_dilation(solid, np.ones((3, 3)))
+    low, high = (width * ppm for width in SETTINGS.door_gap)
     for label in (WALL, WINDOW):
-        places, count = ndimage.label((structure == label) & ~near)
-        for number, box in enumerate(ndimage.find_objects(places, count), start=1):
-            gap = _gap(places, number, box, solid, ppm)
-            if gap is None:
-                continue
+        for gap in _gaps((structure == label) & ~near, solid, ppm):
             rows, columns, turned, width = gap
-            swings = _swings(thin, rows, columns, turned)
-            low, high = SETTINGS.door_gap
             sides = _beside(structure, rows, columns, turned)
             inner = ROOM in sides and OUTSIDE not in sides
-            if swings or (label == WALL and inner and low * ppm <= width <= high * ppm):
+            if _swings(thin, gap) or (label == WALL and inner and low <= width <= high):
                 part = changed[rows, columns]
                 part[part != ROOM] = DOOR
                 part[solid[rows, columns]] = WALL
+
+    def blank(gap: _Gap) -> bool:
+        rows, columns, turned, _ = gap
+        darkest = ink[rows, columns].max(axis=1 if turned else 0)
+        between = _beside(changed, rows, columns, turned) == (ROOM, ROOM)
+        return between and (darkest < SETTINGS.solid_ink).mean() >= SETTINGS.gap_faint
+
+    wide = [g for g in _gaps(~np.isin(changed, (ROOM, OUTSIDE)) & ~near, solid, ppm) if g[3] > high]
+    doors = list(_gaps(changed == DOOR, solid, ppm))
+    unswung = [gap for gap in doors if not _swings(thin, gap)]
+    open_ones = [gap for gap in wide if not _swings(thin, gap)]
+    if 2 * len(unswung) < len(doors):
+        open_ones += unswung
+    for rows, columns, _, _ in filter(blank, open_ones):
+        part = changed[rows, columns]
+        part[part != ROOM] = PASSAGE
     return changed
 
 
@@ -64,6 +87,15 @@ def solid_walls(ink: np.ndarray, ppm: float) -> np.ndarray:
 
 
 _Gap = tuple[slice, slice, bool, int]
+
+
+def _gaps(drawn: np.ndarray, solid: np.ndarray, ppm: float) -> Iterator[_Gap]:
+    """Yield the gaps in solid walls that parts of what is drawn (h, w) bool fill."""
+    places, count = ndimage.label(drawn)
+    for number, box in enumerate(ndimage.find_objects(places, count), start=1):
+        gap = _gap(places, number, box, solid, ppm)
+        if gap is not None:
+            yield gap
 
 
 def _gap(
@@ -79,7 +111,7 @@ def _gap(
         return None
     plane = solid.T if turned else solid
     across, along = (box[1], box[0]) if turned else box
-    reach = max(4, round(0.2 * ppm))
+    reach = max(4, round(0.3 * ppm))
     before = plane[across, max(0, along.start - reach) : along.start]
     after = plane[across, along.stop : along.stop + reach]
     if not (before.any() and after.any()):
@@ -103,14 +135,14 @@ def _beside(structure: np.ndarray, rows: slice, columns: slice, turned: bool) ->
     return sides[0], sides[1]
 
 
-def _swings(thin: np.ndarray, rows: slice, columns: slice, turned: bool) -> bool:
+def _swings(thin: np.ndarray, gap: _Gap) -> bool:
     """Return whether an arc swings from an end of a gap, of one leaf as wide or of two halves.
 
     `thin` (h, w) is where lines are; the arc's centre may be in any depth of the wall.
     """
+    rows, columns, turned, width = gap
     plane = thin.T if turned else thin
     across, along = (columns, rows) if turned else (rows, columns)
-    width = along.stop - along.start
     clear = 4  # pixels from a line to the blank beside it
     angles = np.radians(np.linspace(*SETTINGS.arc_angles, 15))
     for leaf in (width, width / 2):

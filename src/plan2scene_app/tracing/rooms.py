@@ -8,7 +8,7 @@ it, and the cells of a room make its polygon: neighbours share their walls.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import cv2
@@ -200,13 +200,14 @@ def with_types_by_marks(
     openings: Sequence[TracedOpening],
     regions: Regions,
     image: np.ndarray,
+    treads: Mapping[int, float],
     metres: float,
 ) -> list[TracedRoom]:
     """Return rooms whose unnamed ones have types by size, ways and what is drawn in them.
 
     Where a plan names its rooms, baths, halls, wardrobes and stairs are those without a name. Left
-    as they are where less than half are named. `image` (h, w, 3) uint8 has no text; `metres` are of
-    a pixel.
+    as they are where less than half are named. `image` (h, w, 3) uint8 has no text; `treads` is the
+    share of each room's floor that treads take; `metres` are of a pixel.
     """
     if 2 * sum(room.named for room in rooms) < len(rooms):
         return list(rooms)
@@ -227,7 +228,10 @@ def with_types_by_marks(
         dense = marks / max(1, int(inside.sum())) / metres  # metres of edge for a square metre
         swings = int((askew & inside).sum()) > SETTINGS.swing_share * marks
         ways = sum(o.kind != "window" and room.number in (o.room, o.other) for o in openings)
-        kind = _type_by_marks(float(floor.sum()) * metres**2, dense, ways, swings=swings)
+        area = float(floor.sum()) * metres**2
+        kind = _type_by_marks(area, dense, ways, swings=swings)
+        if treads[room.number] > SETTINGS.stairs:
+            kind = "Staircase"
         types = (kind,) if kind else room.types
         told.append(replace(room, types=types, id=free_id(types[0], taken)))
     return told
@@ -240,10 +244,9 @@ def _told(room: TracedRoom) -> bool:
 
 def _type_by_marks(area: float, dense: float, ways: int, *, swings: bool) -> str:
     """Return the type of an unnamed room of so many m2, empty for one that nothing tells."""
-    if dense > SETTINGS.treads and area > SETTINGS.least_stairs:
-        return "Staircase"
     low, high = SETTINGS.bath
-    if dense > SETTINGS.fixtures and not swings and ways and low < area < high:
+    fixtures = dense > (SETTINGS.fixtures_by_swings if swings else SETTINGS.fixtures)
+    if fixtures and ways and low < area < high:
         return "Bathroom"
     if area < low or (dense < SETTINGS.fixtures and ways < 3 and area < SETTINGS.largest_closet):
         return "Closet"

@@ -99,6 +99,7 @@ class TraceSettings:
     thin_wall: float = 0.06  #: m of the thinnest solid wall
     gap: tuple[float, float] = (0.45, 3.0)  #: m of a gap in a solid wall
     door_gap: tuple[float, float] = (0.55, 1.3)  #: m of one between rooms that is a door
+    gap_faint: float = 0.8  #: share of a wider one in which no line is dark: a passage
     arc_angles: tuple[float, float] = (15.0, 75.0)  #: degrees of an arc that are looked at
     arc_radii: tuple[float, ...] = (0.8, 0.86, 0.92, 0.98, 1.04)  #: shares of the gap
     arc_drawn: float = 0.85  #: share of an arc that is drawn
@@ -121,13 +122,19 @@ class TraceSettings:
     closed: float = 0.7  #: share of a room's border with a wall, an opening or a room behind it
     island: float = 3.0  #: m2 up to which a room without an opening is part of another
     furniture_share: float = 0.55  #: share of a room's pixels of one kind from which it is the type
+    # Stairs; by usual sizes, looked at on two real plans of two storeys and six of one.
+    tread_line: float = 0.06  #: m of the thickest line of a tread
+    tread_length: tuple[float, float] = (0.55, 1.8)  #: m
+    tread_depth: tuple[float, float] = (0.14, 0.42)  #: m from one to the next
+    tread_alike: float = 0.75  #: share of its length that a tread has in common with the next
+    least_treads: int = 5
     # Unnamed rooms of a plan with names; edges were looked at on two real plans.
     mark_slope: float = 60.0  #: grey values of an edge (Sobel)
     askew: tuple[float, float] = (20.0, 70.0)  #: degrees from the axes, of arcs and slants
     swing_share: float = 0.4  #: of the edges: above, doors swing there; baths are mostly straight
-    treads: float = 9.0  #: m of edge for a m2 from which lines are the treads of stairs, ...
-    fixtures: float = 1.5  #: ... or fixtures of a bath
-    least_stairs: float = 2.0  #: m2
+    stairs: float = 0.2  #: share of a room that treads take from which it is a staircase
+    fixtures: float = 1.5  #: m of edge for a m2 from which lines are fixtures of a bath, ...
+    fixtures_by_swings: float = 6.0  #: ... where doors swing, too: three in a small room give 4
     bath: tuple[float, float] = (1.0, 14.0)  #: m2; counters of kitchens have no door
     largest_closet: float = 3.0  #: m2
     # Open rooms with several names.

@@ -31,6 +31,7 @@ from plan2scene_app.tracing.drawings import (
     shows_a_home,
     storeys_of,
 )
+from plan2scene_app.tracing.drawn_stairs import TracedFlight, covered, find_treads, flights_of
 from plan2scene_app.tracing.ink import drawn_solid, with_drawn_doors
 from plan2scene_app.tracing.lettering import TextLine, read_lines, reader_installed, without_text
 from plan2scene_app.tracing.named_areas import with_named_areas
@@ -101,6 +102,7 @@ class TracedPlan:
     sure: float  #: mean probability of what was found
     read: bool  #: whether text was read
     storeys: tuple[Storey, ...] = ()  #: the lowest first; none for a plan of one drawing
+    flights: tuple[TracedFlight, ...] = ()
     left_out: int = 0  #: drawings that show no home
 
     @property
@@ -144,15 +146,17 @@ def trace_picture(
         openings = find_openings(regions, polygons, probabilities)
         rooms = describe_rooms(regions, polygons, probabilities, lines)
         scale = _scale(regions, rooms, openings, lines, given)
-    rooms = with_types_by_marks(rooms, openings, regions, frame.image, scale.metres_per_pixel)
+    treads = find_treads(frame.image, regions.ppm)
+    stepped = {room.number: covered(treads, regions.floors == room.number) for room in rooms}
+    metres = scale.metres_per_pixel
+    rooms = with_types_by_marks(rooms, openings, regions, frame.image, stepped, metres)
     drawings = _drawings_of_rooms(seen)
     rooms = [replace(room, drawing=drawings[room.number]) for room in rooms]
     storeys = []
     if len({room.drawing for room in rooms}) > 1:
         storeys = storeys_of(seen.owner, regions.rooms, probabilities, lines, regions.ppm)
-    widest = SETTINGS.widest_door / scale.metres_per_pixel
-    openings = without_inner_windows(openings, rooms, widest)
-    kept = tuple(o for o in openings if o.width * scale.metres_per_pixel >= LEAST_WIDTH[o.kind])
+    openings = without_inner_windows(openings, rooms, SETTINGS.widest_door / metres)
+    kept = tuple(o for o in openings if o.width * metres >= LEAST_WIDTH[o.kind])
     return TracedPlan(
         picture.image,
         frame,
@@ -164,6 +168,7 @@ def trace_picture(
         sure,
         read,
         tuple(storeys),
+        tuple(flights_of(treads, rooms, storeys, metres)),
         seen.left_out,
     )
 
@@ -477,6 +482,15 @@ def plan_document(plan: TracedPlan, file: str = "") -> dict[str, Any]:
                 **on_level(opening.room),
             }
         )
+    stairs = []
+    for number, flight in enumerate(plan.flights):
+        start, end = (
+            [round(float(v), 3) for v in (np.array(point) - origin) * plan.metres]
+            for point in (flight.start, flight.end)
+        )
+        width = round(flight.width * plan.metres, 3)
+        entry = {"id": f"stairs_{number}", "from": start, "to": end, "width": width}
+        stairs.append(entry | {"level": _level_id(flight.storey)})
     depth = round(float(np.clip(plan.wall_px * plan.metres, 0.05, 0.5)), 3)
     levels = [
         {"id": _level_id(k), "name": s.name, "elevation": round(STOREY * s.floor, 2)}
@@ -490,6 +504,7 @@ def plan_document(plan: TracedPlan, file: str = "") -> dict[str, Any]:
         **({"levels": levels} if levels else {}),
         "rooms": rooms,
         "openings": openings,
+        **({"stairs": stairs} if stairs else {}),
     }
 
 
@@ -510,6 +525,9 @@ def doubts(plan: TracedPlan) -> Iterator[str]:
         names = ", ".join(storey.name for storey in plan.storeys)
         order = "" if all(storey.told for storey in plan.storeys) else "; their order is a guess"
         yield f"{len(plan.storeys)} drawings are storeys on one another, from below: {names}{order}"
+    for flight in plan.flights:
+        low, high = (plan.storeys[flight.storey + k].name for k in (0, 1))
+        yield f"stairs from {low} to {high}: made as one straight flight; their way up is a guess"
     if plan.left_out:
         yield f"drawings left out, as they have no rooms with doors: {plan.left_out}"
     yield from _doubts_of_sizes(plan)
@@ -584,6 +602,11 @@ def overlay(plan: TracedPlan) -> np.ndarray:
         ends = pixels([opening.start, opening.end])
         colour = _COLOURS[opening.kind]
         cv2.polylines(image, [ends], False, colour, 3 * thick, cv2.LINE_AA, 3)
+    for flight in plan.flights:
+        for storey in plan.storeys[flight.storey : flight.storey + 2]:
+            ends = pixels(np.array([flight.start, flight.end]) - storey.shift)[:, 0]
+            foot, head = (tuple(round(float(v) / 8) for v in end) for end in ends)
+            cv2.arrowedLine(image, foot, head, (120, 0, 120), 2 * thick, cv2.LINE_AA)
     for room in plan.rooms:
         spot = room.polygon.representative_point()
         x, y = plan.frame.to_picture(np.array([[spot.x, spot.y]]))[0]

@@ -34,6 +34,18 @@ def test_a_gap_in_a_wall_between_rooms_is_a_door():
     assert with_drawn_doors(labels, page, PPM) is labels
 
 
+@pytest.mark.parametrize(("ink", "kind"), [(255, PASSAGE), (215, PASSAGE), (0, WALL)])
+def test_a_wide_gap_between_rooms_with_a_faint_line_is_a_passage(ink, kind):
+    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels())
+    page = solid_page(labels)
+    page[50:110, 150:153] = 255
+    page[50:110, 151] = ink  # a threshold, or a wall drawn as one line
+    labels[50:110, 150:153] = WALL
+    labels[60:80, 150:153] = WINDOW
+    found = with_drawn_doors(labels, page, PPM)[50:110, 151]
+    assert (found[2:-2] == kind).mean() > 0.6 and (PASSAGE in found) == (kind == PASSAGE)
+
+
 def test_two_doors_that_meet_in_a_corner_are_two():
     labels = flat_labels()
     labels[30:33, 212:237] = DOOR

@@ -84,9 +84,10 @@ def test_rooms_are_named_by_text_else_by_furniture(probabilities):
 
 
 @pytest.mark.parametrize(
-    ("step", "kind"), [(None, "Unknown"), (5, "Staircase"), (20, "Bathroom"), (0, "Bathroom")]
+    ("step", "treads", "kind"),
+    [(None, 0.0, "Unknown"), (5, 0.4, "Staircase"), (20, 0.0, "Bathroom"), (0, 0.0, "Bathroom")],
 )
-def test_marks_tell_what_an_unnamed_room_is(step, kind):
+def test_marks_tell_what_an_unnamed_room_is(step, treads, kind):
     labels = flat_labels()
     labels[labels == 8] = ROOM
     probabilities = as_probabilities(labels)
@@ -99,7 +100,8 @@ def test_marks_tell_what_an_unnamed_room_is(step, kind):
     image = np.full((*labels.shape, 3), 255, np.uint8)
     if step:
         image[:, round(5.1 * PPM) :: step] = 0
-    found = with_types_by_marks(rooms, openings, regions, image, 1 / PPM)
+    taken = {room.number: treads for room in rooms}
+    found = with_types_by_marks(rooms, openings, regions, image, taken, 1 / PPM)
     assert {room.types for room in found} == {("Bedroom",), (kind,)}
 
 
