@@ -5,7 +5,7 @@ Agents draw walls solid and doors as a gap with a thin arc: a network sees wall 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import cv2
 import numpy as np
@@ -60,6 +60,7 @@ def with_drawn_doors(structure: np.ndarray, image: np.ndarray, ppm: float) -> np
                 part = changed[rows, columns]
                 part[part != ROOM] = DOOR
                 part[solid[rows, columns]] = WALL
+    changed = _parted(changed, [g for g in _facing(solid, ppm) if _swings(thin, g)], solid, ppm)
 
     def blank(gap: _Gap) -> bool:
         rows, columns, turned, _ = gap
@@ -124,8 +125,61 @@ def _gap(
     return rows, columns, turned, last - first
 
 
+def _parted(
+    structure: np.ndarray, doors: Sequence[_Gap], solid: np.ndarray, ppm: float
+) -> np.ndarray:
+    """Return the structure with those doors that part two floors, both no mere wardrobe."""
+    closed = structure.copy()
+    for rows, columns, _, _ in doors:
+        closed[rows, columns][~solid[rows, columns]] = DOOR
+    floors, count = ndimage.label(closed == ROOM)
+    sizes = np.bincount(floors.ravel(), minlength=count + 1)
+    sizes[0] = 0
+    parted = structure.copy()
+    for rows, columns, turned, _ in doors:
+        one, other = _beside(floors, rows, columns, turned)
+        if one != other and min(sizes[one], sizes[other]) >= SETTINGS.parted_floor * ppm**2:
+            parted[rows, columns] = closed[rows, columns]
+    return parted
+
+
+def _facing(solid: np.ndarray, ppm: float) -> Iterator[_Gap]:
+    """Yield the gaps from an end of a solid wall (h, w) bool to a wall as wide as doors may be."""
+    least, most = (width * ppm for width in (SETTINGS.door_gap[0], SETTINGS.double_door))
+    thickest = SETTINGS.ending_wall * ppm
+    for turned in (False, True):
+        plane = solid.T if turned else solid
+        thick = _run_lengths(plane)
+        walls = thick[plane & (thick <= thickest)]
+        thinnest = 0.7 * float(np.median(walls)) if walls.size else thickest
+        marks = np.zeros(plane.shape, np.uint8)
+        for y, row in enumerate(plane):
+            edges = np.flatnonzero(np.diff(row.astype(np.int8)))
+            stops, starts = edges[row[edges]], edges[~row[edges]] + 1
+            for low in stops + 1:
+                high = starts[np.searchsorted(starts, low)] if (starts > low).any() else low
+                ends = np.array([thick[y, low - 1], thick[y, min(high, len(row) - 1)]])
+                if least <= high - low <= most and ends.min() <= thickest:
+                    marks[y, low:high] = 1
+        places, count = ndimage.label(marks)
+        for number, (across, along) in enumerate(ndimage.find_objects(places, count), start=1):
+            width, height = along.stop - along.start, across.stop - across.start
+            even = (places[across, along] == number).mean() >= SETTINGS.gap_faint
+            if even and thinnest <= height <= thickest and width > height:
+                yield (along, across, True, width) if turned else (across, along, False, width)
+
+
+def _run_lengths(plane: np.ndarray) -> np.ndarray:
+    """Return how many pixels on end in its column each pixel of a plane (h, w) bool is one of."""
+    above, below = np.zeros((2, *plane.shape), np.int32)
+    for y in range(1, len(plane)):
+        above[y] = np.where(plane[y - 1], above[y - 1] + 1, 0)
+        below[-1 - y] = np.where(plane[-y], below[-y] + 1, 0)
+    return np.where(plane, above + below + 1, 0)
+
+
 def _beside(structure: np.ndarray, rows: slice, columns: slice, turned: bool) -> tuple[int, int]:
-    """Return the label that is most frequent on either side of a gap."""
+    """Return the label, or number of a floor, that is most frequent on either side of a gap."""
     plane = structure.T if turned else structure
     across, along = (columns, rows) if turned else (rows, columns)
     sides = []

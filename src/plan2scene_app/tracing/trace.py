@@ -15,6 +15,7 @@ import numpy as np
 from scipy import ndimage
 from shapely.geometry import Polygon
 
+from plan2scene.errors import InputError
 from plan2scene.house import DEFAULT_HEIGHT
 from plan2scene.images import write_png
 from plan2scene.io import write_json, write_text
@@ -508,6 +509,23 @@ def plan_document(plan: TracedPlan, file: str = "") -> dict[str, Any]:
     }
 
 
+def without_loose_openings(document: dict[str, Any], file: str) -> tuple[dict[str, Any], list[str]]:
+    """Return a plan without the openings that no wall is near, and a line for each of them."""
+    try:
+        house_of_plan(document, "traced", file=file)
+        return document, []
+    except InputError:
+        kept, loose = [], []
+    for entry in document["openings"]:
+        try:
+            house_of_plan({**document, "openings": [entry]}, "traced", file=file)
+            kept.append(entry)
+        except InputError:
+            x, y = np.mean([entry["from"], entry["to"]], axis=0)
+            loose.append(f"a {entry['kind']} at {x:.1f}, {y:.1f} m is left out: no wall is near")
+    return {**document, "openings": kept}, loose
+
+
 def doubts(plan: TracedPlan) -> Iterator[str]:
     """Yield a line for everything that is a guess or unlikely."""
     scale = plan.scale
@@ -636,8 +654,9 @@ def write_trace(
     plan = trace_picture(path, metres_per_pixel=metres_per_pixel, model=model)
     file = Path(path).name  # a person finds it without its folder
     document = plan_document(plan, file)
+    document, loose = without_loose_openings(document, file)
     house = house_of_plan(document, "traced", file=file)
-    lines = list(dict.fromkeys([*doubts(plan), *validate_house(house, file=file)]))
+    lines = list(dict.fromkeys([*doubts(plan), *loose, *validate_house(house, file=file)]))
     target, picture, notes = traced_files(Path(out))
     write_png(picture, overlay(plan))
     write_text(notes, "".join(f"{line}\n" for line in lines))

@@ -46,6 +46,31 @@ def test_a_wide_gap_between_rooms_with_a_faint_line_is_a_passage(ink, kind):
     assert (found[2:-2] == kind).mean() > 0.6 and (PASSAGE in found) == (kind == PASSAGE)
 
 
+def test_where_doors_swing_a_blank_gap_is_a_passage():
+    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels())
+    labels[120:123, 180:207] = DOOR
+    page = solid_page(labels)
+    cv2.ellipse(page, (60, 121), (27, 27), 0, -90, 0, (0, 0, 0), 1)  # the entrance's leaf
+    cv2.ellipse(page, (180, 121), (27, 27), 0, -90, 0, (0, 0, 0), 1)
+    found = with_drawn_doors(labels, page, PPM)
+    assert (found[62:85, 151] == PASSAGE).all() and (found[121, 62:85] == DOOR).all()
+    page[120:123] = np.where(labels[120:123, :, None] == WALL, 0, 255)
+    page[93:120] = page[125:150] = 255
+    page[labels == WALL] = 0  # without the swings all gaps are doors
+    assert (with_drawn_doors(labels, page, PPM)[62:85, 151] == DOOR).all()
+
+
+@pytest.mark.parametrize("leaves", [2, 0])
+def test_leaves_in_a_gap_that_the_network_takes_for_floor_are_a_door(leaves):
+    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels())
+    labels[50:95, 150:153] = ROOM  # a gap of 1.5 m, all floor
+    page = solid_page(labels)
+    for hinge, start in ((50, 0), (94, 270))[:leaves]:
+        cv2.ellipse(page, (151, hinge), (22, 22), 0, start, start + 90, (0, 0, 0), 1)
+    found = with_drawn_doors(labels, page, PPM)[51:94, 151]
+    assert (found == (DOOR if leaves else ROOM)).all()
+
+
 def test_two_doors_that_meet_in_a_corner_are_two():
     labels = flat_labels()
     labels[30:33, 212:237] = DOOR

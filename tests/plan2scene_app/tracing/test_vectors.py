@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
+from plan2scene.plans.plan_json import FORMAT
 from plan2scene_app.tracing.openings import find_openings
 from plan2scene_app.tracing.picture import main_direction
 from plan2scene_app.tracing.regions import find_regions, structure_of
 from plan2scene_app.tracing.rooms import describe_rooms, room_polygons, with_types_by_marks
 from plan2scene_app.tracing.settings import DOOR, OUTSIDE, ROOM, WALL, WINDOW
+from plan2scene_app.tracing.trace import without_loose_openings
 
 from .conftest import PPM, as_probabilities, flat_labels, line
 
@@ -110,3 +112,15 @@ def test_a_turned_plan_is_straightened(angle):
     walls = np.pad(flat_labels() == 1, 80).astype(np.float32)
     turned = ndimage.rotate(walls, -angle, reshape=False, order=1)
     assert main_direction(turned) == pytest.approx(angle, abs=0.8)
+
+
+def test_an_opening_without_a_wall_is_left_out():
+    square = [[0, 0], [4, 0], [4, 3], [0, 3]]
+    door = {"id": "door_0", "kind": "door", "from": [1, 0], "to": [2, 0], "bottom": 0, "top": 2}
+    loose = door | {"id": "door_1", "from": [1, 1.5], "to": [2, 1.5]}
+    rooms = [{"id": "room", "types": ["Bedroom"], "polygon": square}]
+    plan = {"format": FORMAT, "version": 1, "wall_depth": 0.1, "rooms": rooms}
+    kept, lines = without_loose_openings({**plan, "openings": [door, loose]}, "plan.png")
+    assert kept["openings"] == [door]
+    assert lines == ["a door at 1.5, 1.5 m is left out: no wall is near"]
+    assert without_loose_openings(kept, "plan.png") == (kept, [])
