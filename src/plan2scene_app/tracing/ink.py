@@ -146,27 +146,29 @@ def _parted(
 def _facing(solid: np.ndarray, ppm: float) -> Iterator[_Gap]:
     """Yield the gaps from an end of a solid wall (h, w) bool to a wall as wide as doors may be."""
     least, most = (width * ppm for width in (SETTINGS.door_gap[0], SETTINGS.double_door))
-    thickest = SETTINGS.ending_wall * ppm
+    thinnest, thickest = SETTINGS.thin_wall * ppm, SETTINGS.ending_wall * ppm
     for turned in (False, True):
         plane = solid.T if turned else solid
-        thick = _run_lengths(plane)
-        walls = thick[plane & (thick <= thickest)]
-        thinnest = 0.7 * float(np.median(walls)) if walls.size else thickest
-        marks = np.zeros(plane.shape, np.uint8)
+        thick, long = _run_lengths(plane), _run_lengths(plane.T).T
+        ending = (thick <= thickest) & (long >= 1.5 * thick)
+        found: list[list[int]] = []  # first and last + 1 along, the same across
         for y, row in enumerate(plane):
             edges = np.flatnonzero(np.diff(row.astype(np.int8)))
-            stops, starts = edges[row[edges]], edges[~row[edges]] + 1
-            for low in stops + 1:
-                high = starts[np.searchsorted(starts, low)] if (starts > low).any() else low
-                ends = np.array([thick[y, low - 1], thick[y, min(high, len(row) - 1)]])
-                if least <= high - low <= most and ends.min() <= thickest:
-                    marks[y, low:high] = 1
-        places, count = ndimage.label(marks)
-        for number, (across, along) in enumerate(ndimage.find_objects(places, count), start=1):
-            width, height = along.stop - along.start, across.stop - across.start
-            even = (places[across, along] == number).mean() >= SETTINGS.gap_faint
-            if even and thinnest <= height <= thickest and width > height:
-                yield (along, across, True, width) if turned else (across, along, False, width)
+            for low, high in zip(edges[:-1] + 1, edges[1:] + 1, strict=True):
+                ends = ending[y, low - 1] or ending[y, high]
+                if row[low] or not ends or not least <= high - low <= most:
+                    continue
+                above = (g for g in found if g[3] == y and abs(g[0] - low) + abs(g[1] - high) <= 2)
+                gap = next(above, None)
+                if gap is None:
+                    found.append([int(low), int(high), y, y + 1])
+                else:
+                    gap[3] = y + 1
+        for low, high, first, last in found:
+            if thinnest <= last - first <= thickest:
+                across, along = slice(first, last), slice(low, high)
+                rows, columns = (along, across) if turned else (across, along)
+                yield rows, columns, turned, high - low
 
 
 def _run_lengths(plane: np.ndarray) -> np.ndarray:
