@@ -32,6 +32,9 @@ class ShadingSettings:
     nearly_white: float = 0.35  #: the same where a surface is too bright for a log excess
     outstanding: float = 2.0  #: added white over the crops' usual, where most seem to have some
     most: float = 0.6  #: a crop with a larger share of 'highlight' shows a bright pattern instead
+    spot: float = 0.6  #: added white of lamps that a floor mirrors as small spots
+    spot_side: float = 0.12  #: of the crop's side: the largest of them
+    spots: int = 15  #: a crop with more of them has them as a pattern
     white: float = 0.96  #: least channel (sRGB) from which on a crop's colour is burned out
     repair: float = 0.03  #: log repair of the light below which crops count alike for brightness
 
@@ -74,7 +77,23 @@ def highlights(images: np.ndarray) -> np.ndarray:
             masks[k] = wide > 0
     if masks.any(axis=(1, 2)).mean() > 0.5:
         masks[peaks < _S.outstanding * np.median(peaks)] = False
-    return masks
+    return masks | np.stack([_spots(image) for image in images])
+
+
+def _spots(image: np.ndarray) -> np.ndarray:
+    """Return (s, s) bool: small spots of an image (s, s, 3) as white as lamps mirrored there."""
+    luma = log_luma(image)
+    floor = srgb_to_linear(image.min(axis=2))
+    usual = np.median(floor)
+    added = (floor - usual) / (1.0 - usual + 1e-3)
+    bright = (luma - np.median(luma) > _S.highlight) & (added > _S.spot)
+    count, places, boxes, _ = cv2.connectedComponentsWithStats(bright.astype(np.uint8))
+    small = boxes[:, 2:4].max(axis=1) <= _S.spot_side * len(image)
+    spots = small[places]
+    if count - 1 > _S.spots or not spots.any():
+        return np.zeros_like(bright)
+    ellipse = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (9, 9))
+    return np.asarray(cv2.dilate(spots.astype(np.uint8), ellipse) > 0)
 
 
 def flatten(images: np.ndarray, masks: np.ndarray) -> np.ndarray:
