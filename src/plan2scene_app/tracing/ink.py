@@ -5,12 +5,15 @@ Agents draw walls solid and doors as a gap with a thin arc: a network sees wall 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
+from itertools import product
 
 import cv2
 import numpy as np
 from scipy import ndimage
 
+from plan2scene_app.tracing.openings import TracedOpening
 from plan2scene_app.tracing.settings import (
     DOOR,
     OUTSIDE,
@@ -72,7 +75,7 @@ def with_drawn_doors(structure: np.ndarray, image: np.ndarray, ppm: float) -> np
     doors = list(_gaps(changed == DOOR, solid, ppm))
     unswung = [gap for gap in doors if not _swings(thin, gap)]
     open_ones = [gap for gap in wide if not _swings(thin, gap)]
-    if 2 * len(unswung) < len(doors):
+    if len(unswung) < SETTINGS.unswung * len(doors):
         open_ones += unswung
     for rows, columns, _, _ in filter(blank, open_ones):
         part = changed[rows, columns]
@@ -217,6 +220,38 @@ def _swings(thin: np.ndarray, gap: _Gap) -> bool:
                         if max(beside) <= SETTINGS.arc_beside:
                             return True
     return False
+
+
+def with_swung_windows(
+    openings: Sequence[TracedOpening],
+    image: np.ndarray,
+    wall_px: float,
+    upstairs: Collection[int] = (),
+) -> list[TracedOpening]:
+    """Return openings with the windows from which an arc swings as doors.
+
+    Not those of rooms `upstairs` that no room is behind. `image` (h, w, 3) uint8 has no text; walls
+    are `wall_px` thick.
+    """
+    thin = ndimage.binary_dilation(ink_of(image) > SETTINGS.ink, np.ones((3, 3)))
+    half = max(2, round(wall_px / 2))
+    kept = []
+    for opening in openings:
+        (x0, x1), (y0, y1) = (sorted(ends) for ends in zip(opening.start, opening.end, strict=True))
+        turned = y1 - y0 > x1 - x0
+        low, high, middle = (y0, y1, (x0 + x1) / 2) if turned else (x0, x1, (y0 + y1) / 2)
+        across = slice(max(0, round(middle) - half), round(middle) + half + 1)
+        gaps = []
+        for before, after in product((-3, 0, 3), repeat=2):  # its ends are known so well
+            along = slice(max(0, round(low) + before), round(high) + after)
+            rows, columns = (along, across) if turned else (across, along)
+            gaps.append((rows, columns, turned, along.stop - along.start))
+        straight = min(x1 - x0, y1 - y0) <= 2
+        may = opening.kind == "window" and (opening.other or opening.room not in upstairs)
+        if may and straight and any(_swings(thin, gap) for gap in gaps):
+            opening = replace(opening, kind="door", confidence=min(opening.confidence, 0.5))
+        kept.append(opening)
+    return kept
 
 
 def _drawn(plane: np.ndarray, x: np.ndarray, y: np.ndarray) -> float:

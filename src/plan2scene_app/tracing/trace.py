@@ -33,7 +33,7 @@ from plan2scene_app.tracing.drawings import (
     storeys_of,
 )
 from plan2scene_app.tracing.drawn_stairs import TracedFlight, covered, find_treads, flights_of
-from plan2scene_app.tracing.ink import drawn_solid, with_drawn_doors
+from plan2scene_app.tracing.ink import drawn_solid, with_drawn_doors, with_swung_windows
 from plan2scene_app.tracing.lettering import TextLine, read_lines, reader_installed, without_text
 from plan2scene_app.tracing.named_areas import with_named_areas
 from plan2scene_app.tracing.open_rooms import with_open_rooms
@@ -156,6 +156,9 @@ def trace_picture(
     storeys = []
     if len({room.drawing for room in rooms}) > 1:
         storeys = storeys_of(seen.owner, regions.rooms, probabilities, lines, regions.ppm)
+    raised = {storey.drawing for storey in storeys if storey.floor > 0}
+    upstairs = [room.number for room in rooms if room.drawing in raised]
+    openings = with_swung_windows(openings, frame.image, regions.wall_px, upstairs)
     openings = without_inner_windows(openings, rooms, SETTINGS.widest_door / metres)
     kept = tuple(o for o in openings if o.width * metres >= LEAST_WIDTH[o.kind])
     return TracedPlan(

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from plan2scene_app.tracing.ink import with_drawn_doors
+from plan2scene_app.tracing.ink import with_drawn_doors, with_swung_windows
 from plan2scene_app.tracing.openings import find_openings
 from plan2scene_app.tracing.regions import find_regions
 from plan2scene_app.tracing.rooms import room_polygons
@@ -97,3 +97,20 @@ def test_thin_lines_part_named_rooms_and_gaps_in_them_are_doors():
     assert (found[125:145, 200] == DOOR).all() and (found[160, 210:380] == WALL).all()
     assert found[75, 62] == ROOM
     assert with_thin_walls(labels, page, names[:1], sizes, PPM)[0] is labels
+
+
+@pytest.mark.parametrize(("arcs", "kind"), [(2, "door"), (0, "window")])
+def test_leaves_drawn_at_a_window_make_it_a_door(arcs, kind):
+    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels()).astype(np.uint8)
+    page = solid_page(labels)
+    for hinge, start in ((180, 270), (225, 180))[:arcs]:  # two leaves that open outwards
+        cv2.ellipse(page, (hinge, 31), (22, 22), 0, start, start + 90, (0, 0, 0), 1)
+    regions = find_regions(labels, PPM)
+    openings = find_openings(regions, room_polygons(regions), as_probabilities(labels))
+
+    def kinds(upstairs):
+        found = with_swung_windows(openings, page, regions.wall_px, upstairs)
+        return sorted(opening.kind for opening in found)
+
+    assert kinds(()) == sorted(["door", "door", kind])
+    assert kinds([1, 2]) == ["door", "door", "window"]  # no balcony is behind it
