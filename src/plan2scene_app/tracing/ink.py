@@ -194,10 +194,11 @@ def _beside(structure: np.ndarray, rows: slice, columns: slice, turned: bool) ->
     return sides[0], sides[1]
 
 
-def _swings(thin: np.ndarray, gap: _Gap) -> bool:
+def _swings(thin: np.ndarray, gap: _Gap, *, leaves: bool = False) -> bool:
     """Return whether an arc swings from an end of a gap, of one leaf as wide or of two halves.
 
-    `thin` (h, w) is where lines are; the arc's centre may be in any depth of the wall.
+    With `leaves` an open leaf is drawn, too. `thin` (h, w) is where lines are; the arc's centre may
+    be in any depth of the wall.
     """
     rows, columns, turned, width = gap
     plane = thin.T if turned else thin
@@ -217,9 +218,21 @@ def _swings(thin: np.ndarray, gap: _Gap) -> bool:
                         if drawn < SETTINGS.arc_drawn:
                             continue
                         beside = [_drawn(plane, x + way * d, y + side * d) for d in (-clear, clear)]
-                        if max(beside) <= SETTINGS.arc_beside:
+                        if max(beside) > SETTINGS.arc_beside:
+                            continue
+                        ways = (way * radius, side * radius)
+                        if not leaves or _leaf_drawn(plane, (hinge, y0), ways):
                             return True
     return False
+
+
+def _leaf_drawn(plane: np.ndarray, hinge: tuple[int, int], ways: tuple[float, float]) -> bool:
+    """Return whether a line goes from a hinge (x, y) to its arc, half open or more."""
+    angles = np.radians(np.arange(40.0, 100.0, 2.0))
+    along = np.linspace(0.3, 0.95, 20)[:, None]
+    x = np.round(hinge[0] + ways[0] * along * np.cos(angles)).astype(int)
+    y = np.round(hinge[1] + ways[1] * along * np.sin(angles)).astype(int)
+    return any(_drawn(plane, *line) > 0.95 for line in zip(x.T, y.T, strict=True))
 
 
 def with_swung_windows(
@@ -248,7 +261,7 @@ def with_swung_windows(
             gaps.append((rows, columns, turned, along.stop - along.start))
         straight = min(x1 - x0, y1 - y0) <= 2
         may = opening.kind == "window" and (opening.other or opening.room not in upstairs)
-        if may and straight and any(_swings(thin, gap) for gap in gaps):
+        if may and straight and any(_swings(thin, gap, leaves=True) for gap in gaps):
             opening = replace(opening, kind="door", confidence=min(opening.confidence, 0.5))
         kept.append(opening)
     return kept

@@ -99,12 +99,16 @@ def test_thin_lines_part_named_rooms_and_gaps_in_them_are_doors():
     assert with_thin_walls(labels, page, names[:1], sizes, PPM)[0] is labels
 
 
-@pytest.mark.parametrize(("arcs", "kind"), [(2, "door"), (0, "window")])
-def test_leaves_drawn_at_a_window_make_it_a_door(arcs, kind):
+@pytest.mark.parametrize(
+    ("arcs", "leaves", "kind"), [(2, 2, "door"), (2, 0, "window"), (0, 0, "window")]
+)
+def test_leaves_drawn_at_a_window_make_it_a_door(arcs, leaves, kind):
     labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels()).astype(np.uint8)
     page = solid_page(labels)
     for hinge, start in ((180, 270), (225, 180))[:arcs]:  # two leaves that open outwards
         cv2.ellipse(page, (hinge, 31), (22, 22), 0, start, start + 90, (0, 0, 0), 1)
+        if leaves:
+            cv2.line(page, (hinge, 31), (hinge, 9), (0, 0, 0), 1)
     regions = find_regions(labels, PPM)
     openings = find_openings(regions, room_polygons(regions), as_probabilities(labels))
 
