@@ -48,8 +48,11 @@ class MaterialSettings:
     #: each. Ceilings are white in most homes, floors are known by their pattern.
     one_photo: tuple[float, float, float] = (0.0, 0.12, 0.0)
     #: Of floors that a passage without a leaf joins: 24 of 30 in synthetic homes run on through
-    #: one, 101 of 267 through a door; all of six in real homes do.
+    #: one, 101 of 267 through a door; all of six in real homes do. For floors of one substance it
+    #: grows with the passage's width over the first number, metres, up to the second: rooms of an
+    #: open plan are floored together.
     passage: float = 0.28
+    wide: tuple[float, float] = (0.9, 2.7)
     #: Of two floors of wood: homes seldom have two kinds of it on one storey, and lamps, rugs and
     #: glare change its looks from photo to photo. Chosen on one real listing (development).
     wood: float = 0.25
@@ -104,11 +107,14 @@ def find_materials(
     doors = np.isfinite(doors_between(len(graph.room_ids), graph.edges))
     place = {room: k for k, room in enumerate(graph.room_ids)}
     open_ = np.zeros(doors.shape)
-    passages = {o.id for wall in plan.walls for o in wall.openings if o.kind == "passage"}
+    widths = {
+        o.id: o.end - o.start for wall in plan.walls for o in wall.openings if o.kind == "passage"
+    }
     for door in plan.doors:
-        if door.opening_id in passages and door.room_a and door.room_b:
+        if door.opening_id in widths and door.room_a and door.room_b:
             pair = place[door.room_a], place[door.room_b]
-            open_[pair] = open_[pair[::-1]] = 1.0
+            width = float(np.clip(widths[door.opening_id], *EVIDENCE.wide)) / EVIDENCE.wide[0]
+            open_[pair] = open_[pair[::-1]] = max(open_[pair], width)
     gains = read_stage_json(light, "light")["gains"]
     crops, _ = read_parquet(embeddings)
     crops = crops[~crops["photo"].isin(set(hidden_photos))]
@@ -124,7 +130,10 @@ def find_materials(
         index = [place[item.room_id] for item in seen]
         pairs = pair_evidence(seen, kind, doors[np.ix_(index, index)])
         if kind == "floor":
-            pairs += EVIDENCE.passage * open_[np.ix_(index, index)]
+            substances = np.array([item.substance for item in seen])
+            alike = substances[:, None] == substances[None]
+            wide = open_[np.ix_(index, index)]
+            pairs += EVIDENCE.passage * np.where(alike, wide, np.minimum(wide, 1.0))
         groups = grouped(pairs)
         for number, (members, evidence) in enumerate(groups, start=1):
             rows += _rows_of([seen[k] for k in members], f"{kind}-{number}", kind, evidence)

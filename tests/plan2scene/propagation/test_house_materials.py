@@ -62,20 +62,27 @@ def test_a_floor_that_runs_on_is_one_material(shared_house, tmp_path):
     assert shared_materials(None) == {}
 
 
-@pytest.mark.parametrize(("kind", "materials"), [("passage", ["floor-1"] * 2), ("door", [])])
-def test_floors_run_on_through_passages(shared_house, tmp_path, kind, materials):
+@pytest.mark.parametrize(
+    ("kind", "width", "apart", "other", "one"),
+    [("passage", 0.9, 1.0, "tile", True), ("door", 0.9, 1.0, "tile", False)]
+    + [("passage", 0.9, 1.4, "tile", False), ("passage", 2.0, 1.4, "tile", True)]
+    + [("passage", 2.0, 1.4, "carpet", False)],
+)
+def test_floors_run_on_through_passages(shared_house, tmp_path, kind, width, apart, other, one):
     shared, *others = shared_house.walls
     opening = replace(shared.openings[0], kind=kind)
+    opening = replace(opening, end=opening.start + width)
+    assert opening.end <= shared.length
     plan = replace(shared_house, walls=(replace(shared, openings=(opening,)), *others))
     write_scene_json(plan, tmp_path / "scene.json")
-    codes = [np.r_[np.full(8, k), [0.4] * 3].astype(np.float32) for k in (0.0, 1.0)]
+    codes = [np.r_[np.full(8, k), [0.4] * 3].astype(np.float32) for k in (0.0, apart)]
     rooms = [room.id for room in plan.rooms]
     table = pd.DataFrame({"room_id": rooms, "surface": "floor", "embedding": codes})
-    table["n_crops"], table["photo"], table["substance"] = 1, "a.png", "tile"
+    table["n_crops"], table["photo"], table["substance"] = 1, "a.png", ["tile", other]
     for name in ("surfaces", "embeddings"):
         write_parquet(tmp_path / f"{name}.parquet", table, {})
     write_json(tmp_path / "light.json", {"gains": {}})
-    assert found(tmp_path)["material"].tolist() == materials
+    assert found(tmp_path)["material"].tolist() == ["floor-1"] * 2 * one
 
 
 @pytest.mark.parametrize(
