@@ -91,6 +91,14 @@ def test_two_bedrooms_are_two_photos_and_photos_of_one_thing_one_room():
     assert together["b"]["bed_1"] > 0.7 > apart["b"]["bed_1"]
 
 
+def test_a_photo_that_shares_nothing_with_those_of_a_room_shows_sooner_another():
+    told = {name: PhotoEvidence(told=("bed_1",)) for name in "abcd"}
+    told |= {"e": PhotoEvidence(told=("bed_2",)), "f": PhotoEvidence(kinds=looks_like("Bedroom"))}
+    apart, tied = rooms_of(told)["f"], rooms_of(told, [("a", "f")])["f"]
+    assert apart["bed_2"] > 1.5 * apart["bed_1"]
+    assert tied["bed_1"] > 0.8
+
+
 def test_photos_of_one_wall_are_not_sure_of_one_of_two_like_rooms():
     photos = {name: PhotoEvidence(kinds=looks_like("Bedroom")) for name in "abcd"}
     found = rooms_of(photos, list(itertools.combinations("abcd", 2)))

@@ -56,6 +56,10 @@ class WhichRoomSettings:
     repeated: float = 0.5
     #: Share of a tie where the rooms are open to each other.
     open_tie: float = 0.7
+    #: Taken for each of at most so many photos in the same room that see none of the same things:
+    #: most photos of one room have something in common.
+    untied: float = 0.3
+    most_untied: int = 4
     #: How often rooms are photographed, by type; others as a closet.
     photographed: dict[str, float] = field(
         default_factory=lambda: {
@@ -145,6 +149,9 @@ def room_probabilities(
         for more, k in enumerate(group):
             log += weight[k] * np.log(frequent + np.minimum(counts + more, 2.0) * 0.3)
         for k in group:
+            tied_to = [state[other] for other in pairs[k] if other not in held]
+            untied = counts - np.bincount(tied_to, minlength=len(counts))
+            log[:-1] -= WHICH.untied * np.minimum(untied, WHICH.most_untied)[:-1]
             for other in pairs[k]:
                 log += WHICH.tie * (near.diagonal() / 2 if other in held else near[state[other]])
                 if len(group) > 1 and other not in held:
