@@ -56,8 +56,8 @@ class WhichRoomSettings:
     repeated: float = 0.5
     #: Share of a tie where the rooms are open to each other.
     open_tie: float = 0.7
-    #: Taken for each of at most so many photos in the same room that see none of the same things:
-    #: most photos of one room have something in common.
+    #: Taken for each of at most so many photos in the same room that no ties lead to: most photos
+    #: of one room have something in common.
     untied: float = 0.3
     most_untied: int = 4
     #: How often rooms are photographed, by type; others as a closet.
@@ -131,6 +131,7 @@ def room_probabilities(
     if not names:
         return {}
     pairs = _pairs(names, tied)
+    kindred = [_reached(k, pairs, range(len(names))) for k in range(len(names))]
     weight = np.array([1.0 + len(others) for others in pairs]) ** -WHICH.repeated
     alone = weight[:, None] * np.array([_alone(house, photos[name]) for name in names])
     known = [photos[name].tells or bool(pairs[k]) for k, name in enumerate(names)]
@@ -149,8 +150,8 @@ def room_probabilities(
         for more, k in enumerate(group):
             log += weight[k] * np.log(frequent + np.minimum(counts + more, 2.0) * 0.3)
         for k in group:
-            tied_to = [state[other] for other in pairs[k] if other not in held]
-            untied = counts - np.bincount(tied_to, minlength=len(counts))
+            kin = [state[other] for other in kindred[k] if other not in held]
+            untied = counts - np.bincount(kin, minlength=len(counts))
             log[:-1] -= WHICH.untied * np.minimum(untied, WHICH.most_untied)[:-1]
             for other in pairs[k]:
                 log += WHICH.tie * (near.diagonal() / 2 if other in held else near[state[other]])
@@ -169,7 +170,8 @@ def room_probabilities(
             if sweep >= WHICH.warm:
                 seen[k] += odds
         for first_of in rng.choice(paired, WHICH.groups) if paired else ():
-            group = _together(int(first_of), state, pairs)
+            together = np.flatnonzero(state == state[first_of])
+            group = sorted(_reached(int(first_of), pairs, set(together.tolist())))
             if len(group) > 1 and set(group) <= set(free):
                 moved(group)
     found = {}
@@ -262,15 +264,15 @@ def used_photos(likely: Mapping[str, Likely], told: Collection[str]) -> set[str]
     }
 
 
-def _together(photo: int, state: np.ndarray, pairs: Sequence[Sequence[int]]) -> list[int]:
-    """Return the photos in a photo's room that are tied to it, those tied to them, and so on."""
+def _reached(photo: int, pairs: Sequence[Sequence[int]], among: Collection[int]) -> set[int]:
+    """Return a photo, those `among` others that are tied to it, those tied to them, and so on."""
     found, todo = {photo}, [photo]
     while todo:
         for other in pairs[todo.pop()]:
-            if other not in found and state[other] == state[photo]:
+            if other not in found and other in among:
                 found.add(other)
                 todo.append(other)
-    return sorted(found)
+    return found
 
 
 def _alone(house: House, photo: PhotoEvidence) -> np.ndarray:
