@@ -12,7 +12,7 @@ from itertools import pairwise, product
 import cv2
 import numpy as np
 from shapely.affinity import translate
-from shapely.geometry import LineString, Point, Polygon
+from shapely.geometry import LineString, Point, Polygon, box
 
 from plan2scene.plans.levels import STAIRS
 from plan2scene_app.tracing.drawings import Storey
@@ -58,11 +58,18 @@ def find_treads(image: np.ndarray, ppm: float) -> list[Treads]:
         for chain in _ladders(lines, ppm):
             x0, x1 = np.median(chain[:, :2], axis=0)
             depth = float(np.median(np.diff(chain[:, 2])))
-            box = (x0, chain[0, 2] - depth / 2, x1, chain[-1, 2] + depth / 2)
-            box = box if upright else (box[1], box[0], box[3], box[2])
-            x0, y0, x1, y1 = (float(v) for v in box)
+            place = (x0, chain[0, 2] - depth / 2, x1, chain[-1, 2] + depth / 2)
+            place = place if upright else (place[1], place[0], place[3], place[2])
+            x0, y0, x1, y1 = (float(v) for v in place)
             found.append(Treads((x0, y0, x1, y1), upright, depth))
-    return found
+    return [one for one in found if not any(_crossed(one, other) for other in found)]
+
+
+def _crossed(one: Treads, other: Treads) -> bool:
+    """Return whether half of one lies in the lines of another that go across: tiles."""
+    mine, theirs = box(*one.box), box(*other.box)
+    crosses = one.upright != other.upright
+    return crosses and mine.intersection(theirs).area > 0.5 * mine.area
 
 
 def _lines_across(ink: np.ndarray, ppm: float) -> np.ndarray:

@@ -45,6 +45,12 @@ def test_uneven_lines_are_none():
     assert find_treads(page, PPM) == []
 
 
+def test_tiles_are_no_treads():
+    page = page_with_treads(5, 8)
+    page[50:83, 60:87:6] = 0
+    assert find_treads(page, PPM) == []
+
+
 def room(number, drawing, *bounds):
     types = ("Corridor",)
     return TracedRoom(number, box(*bounds), f"r{number}", "", types, False, 1.0, (), drawing)
