@@ -48,10 +48,12 @@ def test_a_wide_gap_between_rooms_with_a_faint_line_is_a_passage(ink, kind):
 
 def test_where_doors_swing_a_blank_gap_is_a_passage():
     labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels())
-    labels[120:123, 180:207] = DOOR
+    hinges = (60, 105, 180)
+    for hinge in hinges:
+        labels[120:123, hinge : hinge + 27] = DOOR
     page = solid_page(labels)
-    cv2.ellipse(page, (60, 121), (27, 27), 0, -90, 0, (0, 0, 0), 1)  # the entrance's leaf
-    cv2.ellipse(page, (180, 121), (27, 27), 0, -90, 0, (0, 0, 0), 1)
+    for hinge in hinges:
+        cv2.ellipse(page, (hinge, 121), (27, 27), 0, -90, 0, (0, 0, 0), 1)
     found = with_drawn_doors(labels, page, PPM)
     assert (found[62:85, 151] == PASSAGE).all() and (found[121, 62:85] == DOOR).all()
     page[120:123] = np.where(labels[120:123, :, None] == WALL, 0, 255)
