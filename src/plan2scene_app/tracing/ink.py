@@ -14,6 +14,7 @@ import numpy as np
 from scipy import ndimage
 
 from plan2scene_app.tracing.openings import TracedOpening
+from plan2scene_app.tracing.picture import paper_share
 from plan2scene_app.tracing.settings import (
     DOOR,
     OUTSIDE,
@@ -43,7 +44,7 @@ def with_drawn_doors(structure: np.ndarray, image: np.ndarray, ppm: float) -> np
     """Return the structure (h, w) uint8 with gaps in solid walls, and swings, as doors.
 
     Gaps between rooms with a faint line at most are passages where they are wider than a door, or
-    where most doors of the plan are drawn with their swing. Left as it is where the walls are not
+    where most doors of a clean drawing have their swing. Left as it is where the walls are not
     drawn solid.
     """
     ink = ink_of(image)
@@ -75,7 +76,8 @@ def with_drawn_doors(structure: np.ndarray, image: np.ndarray, ppm: float) -> np
     doors = list(_gaps(changed == DOOR, solid, ppm))
     unswung = [gap for gap in doors if not _swings(thin, gap)]
     open_ones = [gap for gap in wide if not _swings(thin, gap)]
-    if len(unswung) < SETTINGS.unswung * len(doors):
+    clean = paper_share(image) >= SETTINGS.drawn_paper  # on photographed paper arcs are missed
+    if clean and len(unswung) < SETTINGS.unswung * len(doors):
         open_ones += unswung
     for rows, columns, _, _ in filter(blank, open_ones):
         part = changed[rows, columns]
