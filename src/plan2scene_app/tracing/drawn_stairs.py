@@ -135,11 +135,11 @@ def flights_of(
     flights = []
     for place, pair in enumerate(pairwise(storeys)):
         floors = [_floors(rooms, storey) for storey in pair]
-        drawn = [_on_storey(treads, *both) for both in zip(pair, floors, strict=True)]
-        both = [_joined(a, b) for a, b in product(*drawn) if _meet(a, b)]
+        drawn = [_on_storey(treads, *item) for item in zip(pair, floors, strict=True)]
+        on_both = [_joined(a, b) for a, b in product(*drawn) if _meet(a, b)]
         ways = [
             flight
-            for strip in both or drawn[0] or drawn[1]
+            for strip in on_both or drawn[0] or drawn[1]
             for flight in _ways_up(strip, place, floors, metres)
         ]
         if ways:
@@ -169,7 +169,7 @@ def _room_at(point: np.ndarray, floors: Sequence[Polygon]) -> Polygon | None:
 
 
 def _meet(one: Treads, other: Treads) -> bool:
-    """Return whether treads of two storeys are of one flight: neither has its middle elsewhere."""
+    """Return whether treads of two storeys lie on one another: they are of one flight."""
     along = int(one.upright)
     apart = np.abs(one.middle - other.middle)
     sizes = [np.subtract(item.box[2:], item.box[:2]) for item in (one, other)]
