@@ -27,7 +27,6 @@ class Treads:
 
     box: tuple[float, float, float, float]  #: x0, y0, x1, y1 in pixels of the frame
     upright: bool  #: whether the flight goes along y
-    depth: float  #: of one tread, pixels
 
     @property
     def middle(self) -> np.ndarray:
@@ -61,7 +60,7 @@ def find_treads(image: np.ndarray, ppm: float) -> list[Treads]:
             place = (x0, chain[0, 2] - depth / 2, x1, chain[-1, 2] + depth / 2)
             place = place if upright else (place[1], place[0], place[3], place[2])
             x0, y0, x1, y1 = (float(v) for v in place)
-            found.append(Treads((x0, y0, x1, y1), upright, depth))
+            found.append(Treads((x0, y0, x1, y1), upright))
     return [one for one in found if not any(_crossed(one, other) for other in found)]
 
 
@@ -157,7 +156,7 @@ def _on_storey(treads: Sequence[Treads], storey: Storey, floors: Sequence[Polygo
     """Return the treads in the rooms of a storey, moved onto the ground floor."""
     dx, dy = storey.shift
     moved = [
-        Treads((x0 + dx, y0 + dy, x1 + dx, y1 + dy), drawn.upright, drawn.depth)
+        Treads((x0 + dx, y0 + dy, x1 + dx, y1 + dy), drawn.upright)
         for drawn in treads
         for x0, y0, x1, y1 in [drawn.box]
     ]
@@ -183,7 +182,7 @@ def _joined(one: Treads, other: Treads) -> Treads:
     low, high = np.minimum(one.box[:2], other.box[:2]), np.maximum(one.box[2:], other.box[2:])
     low[1 - along], high[1 - along] = one.box[1 - along], one.box[3 - along]
     x0, y0, x1, y1 = (float(v) for v in (*low, *high))
-    return Treads((x0, y0, x1, y1), one.upright, one.depth)
+    return Treads((x0, y0, x1, y1), one.upright)
 
 
 def _ways_up(
