@@ -4,8 +4,15 @@ import cv2
 import numpy as np
 
 from plan2scene.paint.shading import unrest
-from plan2scene.photos.crops.filter import has_object, image_reasons, restless, step_of
-from plan2scene.photos.crops.sampling import Reason
+from plan2scene.photos.crops.filter import (
+    FILTER,
+    has_object,
+    image_reasons,
+    mark_outvoted,
+    restless,
+    step_of,
+)
+from plan2scene.photos.crops.sampling import Candidate, Crop, Reason, Verdict
 
 
 def plain(seed=0, colour=(190, 180, 165), noise=2.0):
@@ -96,6 +103,20 @@ def framed(seed=0):
 def test_pictures_beside_a_calm_wall_are_things_and_a_wallpaper_all_round_is_none():
     wall, pictures, paper = unrest(plain()), unrest(framed()), unrest(checker(32))
     assert wall < 1.0 < 10.0 < pictures
-    assert restless(np.array([wall, pictures])).tolist() == [False, True]
-    assert not restless(np.array([paper, 0.8 * paper, 1.1 * paper])).any()
-    assert not restless(np.array([pictures])).any()  # nothing else is known of the wall
+    limits = FILTER.restless_wall
+    assert restless(np.array([wall, pictures]), *limits).tolist() == [False, True]
+    assert not restless(np.array([paper, 0.8 * paper, 1.1 * paper]), *limits).any()
+    assert not restless(np.array([pictures]), *limits).any()  # nothing else is known of the wall
+
+
+def test_a_patterned_rug_beside_a_calm_floor_is_a_thing_and_a_chequered_floor_is_none():
+    def reasons(*images):
+        seen = [
+            Candidate(Crop(0, (0, 0, 1, 1), 1.0, 1.0, 60.0, i), Verdict(), "floor", 0, f"{k}", "r")
+            for k, i in enumerate(images)
+        ]
+        return [candidate.verdict.reasons for candidate in mark_outvoted(seen, {})]
+
+    rug, stone = checker(16, (150, 140, 120)), plain(0, (175, 165, 145))
+    assert reasons(rug, stone) == [(Reason.CLUTTER,), ()]
+    assert reasons(rug, shaded(rug, 0.95, 1.05)) == [(), ()]

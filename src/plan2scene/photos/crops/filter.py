@@ -93,10 +93,11 @@ class FilterSettings:
     group_limit: float = 10.0
     majority: float = 0.6  #: least share of a surface's windows that can outvote the rest
     #: Windows of a wall that vary by at least this much (L*a*b*, :func:`unrest`) show pictures or
-    #: shelves where other windows of the room's walls vary by less than this share of it. Rendered
-    #: walls of the demo vary by 2 at most, real panelling by 2 to 7, framed pictures by 14.
-    restless: float = 10.0
-    calm_share: float = 0.4
+    #: shelves, those of a floor a patterned rug, where others of the room vary by less than this
+    #: share of it. Rendered walls of the demo vary by 2 at most, real panelling by 2 to 7, framed
+    #: pictures by 14; floors of six real homes by 5 at most, two rugs there by 9 and 12.
+    restless_wall: tuple[float, float] = (10.0, 0.4)
+    restless_floor: tuple[float, float] = (7.0, 0.5)
     looked_at: int = 5  #: windows of a group that are looked at
 
 
@@ -159,7 +160,7 @@ def judge_of(surface: str, *, inside: bool) -> Judge:
             Reason.CLUTTER: is_unlike(patch, *typical[key]),
             Reason.BORDER: not inside,
             # Pictures may hang as regularly as a pattern: smaller windows show what is between.
-            Reason.RESTLESS: surface == "wall" and unrest(crop.image) >= FILTER.restless,
+            Reason.RESTLESS: surface == "wall" and unrest(crop.image) >= FILTER.restless_wall[0],
             Reason.BLURRED: is_blurred(crop),
             Reason.OBLIQUE: is_oblique(crop),
         }
@@ -306,14 +307,14 @@ def outvoted(colours: np.ndarray, weights: np.ndarray) -> np.ndarray:
     return np.asarray(distance[best] > FILTER.group_limit)
 
 
-def restless(unrests: np.ndarray) -> np.ndarray:
-    """Tell which groups (n,) of windows of a room's walls show things, as a bool for each.
+def restless(unrests: np.ndarray, least: float, share: float) -> np.ndarray:
+    """Tell which groups (n,) of windows of a room's walls or floor show things, as a bool for each.
 
     A wallpaper or tiles are on the room's other walls, too; framed pictures hang on one. The
-    calmest group tells what the walls are like.
+    calmest group tells what they are like: it varies by less than `share` of those that vary by
+    `least` or more.
     """
-    calm = unrests.min() <= FILTER.calm_share * unrests
-    return np.asarray(calm & (unrests >= FILTER.restless))
+    return np.asarray((unrests.min() <= share * unrests) & (unrests >= least))
 
 
 def mark_outvoted(
@@ -323,7 +324,7 @@ def mark_outvoted(
 
     Windows without grave reasons vote, one group per plane of a photo, in the photos' own colours.
     `lights` (3,), linear RGB, are divided out before colours are compared. Groups that show things
-    before a wall get `CLUTTER`.
+    before a wall or on a floor get `CLUTTER`.
     """
     groups: dict[tuple[str, str], dict[tuple[str, int], list[int]]] = {}
     for number, candidate in enumerate(candidates):
@@ -340,10 +341,12 @@ def mark_outvoted(
         ]
         weights = np.array([len(group) for group in members], dtype=float)
         found = {Reason.UNLIKE: outvoted(np.stack(colours), weights)}
-        if surface == "wall":
+        limits = {"wall": FILTER.restless_wall, "floor": FILTER.restless_floor}.get(surface)
+        if limits is not None:
             looks = [[candidates[n].crop.image for n in g[: FILTER.looked_at]] for g in members]
             found[Reason.CLUTTER] = restless(
-                np.array([np.median([unrest(image) for image in images]) for images in looks])
+                np.array([np.median([unrest(image) for image in images]) for images in looks]),
+                *limits,
             )
         for reason, these in found.items():
             for number in (
