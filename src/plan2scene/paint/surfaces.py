@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plan2scene.colour import delta_e_2000, is_wood, linear_to_srgb, log_axes, rgb_to_lab
+from plan2scene.colour import (
+    delta_e_2000,
+    from_log_axes,
+    is_wood,
+    linear_to_srgb,
+    log_axes,
+    rgb_to_lab,
+)
 from plan2scene.house import SURFACES, SurfaceKey
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.paint.accents import find_accents
@@ -276,6 +283,17 @@ def plain_whites(
         if is_white:
             whites.add(key)
     return whites
+
+
+def grey_floor(predicted: np.ndarray) -> np.ndarray:
+    """Return the paint (3,) of a floor of stone or carpet that nothing in the house tells of.
+
+    It has the hue of pale floors and the brightness of what is `predicted` (3,), linear RGB, within
+    what is usual: a prediction alone is no ground for a pink bathroom.
+    """
+    mean, deviation = (axes[0] for axes in (PaintPrior.pale, PaintPrior.pale_deviation))
+    bright = np.clip(log_axes(predicted)[0], mean[0] - deviation[0], mean[0] + deviation[0])
+    return from_log_axes(np.array([bright, *mean[1:]]))
 
 
 def _commonest(paints: Sequence[np.ndarray]) -> list[int]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +33,7 @@ from plan2scene.paint.light import relight
 from plan2scene.paint.surfaces import (
     TRIM,
     door_paints,
+    grey_floor,
     paint_gains,
     plain_whites,
     read_paint,
@@ -117,6 +118,11 @@ def paint_textures(
     white = np.exp(PaintPrior().white[0]) * np.ones(3)
     whites = plain_whites(paints, white_surfaces, unseen)
     gains = paint_gains(shown, paints, whites, white)
+    photos, rooms = read_seen_photos(paint), {key.room_id for key in entries}
+    for key in unseen - paints.keys():
+        stone = key.kind == "floor" and entries[key].get("substance") != "wood"
+        if stone and _room_of_source(entries[key], rooms) is None:
+            gains[key] = grey_floor(gains[key] * shown[key]) / shown[key]
     doors = {
         name: as_uint8(linear_to_srgb(colour)).tolist()
         for name, colour in door_paints(paints, white_surfaces).items()
@@ -130,7 +136,6 @@ def paint_textures(
     plains = _plain_tiles(
         tiles, gains, entries, (white_surfaces | whites) - banded, whites - banded
     )
-    photos, rooms = read_seen_photos(paint), {key.room_id for key in entries}
     outside = {
         key
         for key in unseen
@@ -193,22 +198,26 @@ def _plain_tiles(
 ) -> dict[SurfaceKey, _Tile]:
     """Return the tiles of plain white walls and ceilings.
 
-    An `unseen` one is always plain, and one whose crops show things.
+    An `unseen` one is always plain, and one whose crops show things: as the plainest other one, or
+    without any pattern where there is none.
     """
-    made = {}
+    made, bare = {}, {}
     for key in sorted(tiles.keys() & set(white)):
         if key.kind in ("wall", "ceiling"):
             image, size_m = tiles[key], float(entries[key]["size_m"])
             colour = gains[key] * srgb_to_linear(median_colour(image))
             image, pattern = plain(image, colour, len(image) / size_m)
             made[key] = _Tile(image, size_m, entries[key].get("substance"), pattern)
+            bare[key] = np.full_like(image, as_uint8(linear_to_srgb(np.minimum(colour, 1.0))))
     handed_on = {key for key, tile in made.items() if key in unseen or tile.pattern > LOUD}
     plainest: dict[str, _Tile] = {}
     for key, tile in sorted(made.items(), key=lambda item: item[1].pattern):
         if key not in handed_on and tile.substance not in PATTERNED:
             plainest.setdefault(key.surface, tile)
     return {
-        key: tile if tile.pattern < FAINT else plainest.get(key.surface, tile)
+        key: tile
+        if tile.pattern < FAINT
+        else plainest.get(key.surface, replace(tile, image=bare[key], pattern=0.0))
         for key, tile in made.items()
         if key in handed_on or (tile.pattern < FAINT and tile.substance not in PATTERNED)
     }
@@ -293,8 +302,7 @@ def evidence_of(
     `entry` is what ``textures.json`` says of it, `photos` are those that show its colour, `rooms`
     the ids of the house's rooms. `white`: it is so because most known surfaces of its kind are.
     """
-    named = re.findall(r"\b(?:like|of) ([^\s,]+)", str(entry.get("source", "")))
-    like = next((name for name in named if name in rooms), None)
+    like = _room_of_source(entry, rooms)
     seen = entry.get("observed") is not False
     room = None if seen or white else like
     count = f"{len(photos)} photo{'s' if len(photos) != 1 else ''}"
@@ -310,3 +318,9 @@ def evidence_of(
     if off >= DOUBTFUL:
         words += "; its colour may be another"
     return {"photos": list(photos), "like": room, "words": words, "expected_error": off}
+
+
+def _room_of_source(entry: Mapping[str, Any], rooms: Collection[str]) -> str | None:
+    """Return the room that a texture was taken from, as its source says; None where none."""
+    named = re.findall(r"\b(?:like|of) ([^\s,]+)", str(entry.get("source", "")))
+    return next((name for name in named if name in rooms), None)

@@ -152,6 +152,28 @@ def test_blinds_and_pictures_on_a_white_wall_are_no_pattern_of_it(paint, tmp_pat
     assert painted[::16].mean() < painted.mean() - 10  # fainter joints stay
 
 
+def test_what_nothing_in_the_house_tells_of_is_plain(paint, tmp_path):
+    """Neither boards of a panelled room in white, nor a pink floor that was predicted."""
+    boards = np.full((64, 64, 3), 170, np.uint8)
+    boards[::16] = 90
+    pink, guessed = np.full_like(boards, (200, 150, 160)), {"observed": False, "substance": "tile"}
+    names = {"c/wall": boards, "c/floor": pink, "d/floor": pink, "e/floor": pink}
+    entries = {
+        "c/wall": {"observed": False},
+        "c/floor": guessed | {"source": "made up: no exemplar of a floor of tile in the house"},
+        "d/floor": guessed | {"source": "exemplar of c, 3.0 dE2000 to the predicted colour"},
+        "e/floor": guessed | {"substance": "wood"},
+    }
+    paint_textures(textures_of(tmp_path / "t", names, **entries), paint, tmp_path / "out")
+    wall, floor, copied, wood = (
+        read_image(tmp_path / "out" / f"{name.replace('/', '_')}.png") for name in names
+    )
+    assert wall.std() == 0 and wall.min() > 225
+    red, green, blue = median_colour(floor)
+    assert red > green > blue > red - 0.08
+    assert all(median_colour(other)[2] > median_colour(other)[1] for other in (copied, wood))
+
+
 def test_unseen_surfaces_follow_the_house():
     grey, white = np.full(3, 0.2), np.full(3, 0.8)
     key = SurfaceKey
