@@ -33,8 +33,8 @@ _STEMS = {
         "bed sovrum sov letto ch suite quarto sovevaerelse vaerelse soverom makuuhuone mh "
         "sypialnia pokoj pok yatak_odasi спальн детск שינה ילדים 寝室 洋室 和室 子供部屋 主卧 卧室"
     ),
-    "Balcony": "balcon balcony balc balkon balcone loggia balkong altan varanda parveke balkonu "
-    "лоджия балкон מרפסת バルコニー ベランダ 阳台",
+    "Balcony": "balcon balcony balc balkon balcone loggia balkong altan varanda parveke parv "
+    "balkonu лоджия балкон מרפסת バルコニー ベランダ 阳台",
     "Terrace": (
         "terrace terrasse terraza terrazza terras terr patio deck porch portico veranda pavilion "
         "alfresco terraco terassi taras teras терраса テラス"
@@ -87,7 +87,7 @@ _STEMS = {
     ),
 }
 #: Whole names: a room (German) that is for nothing else, and what stands on closets.
-_WHOLE = {"zimmer": "Bedroom", "pokoj dzienny": "Reception", "w i cl": "Closet"}
+_WHOLE = {"zimmer": "Bedroom", "pokoj dzienny": "Reception", "w i cl": "Closet", "k": "Kitchen"}
 _WHOLE |= dict.fromkeys(("c", "cl", "st"), "Closet")
 _TYPES = {name.lower(): name for name in ROOM_TYPES} | _WHOLE
 

@@ -65,6 +65,13 @@ def with_drawn_doors(structure: np.ndarray, image: np.ndarray, ppm: float) -> np
                 part[part != ROOM] = DOOR
                 part[solid[rows, columns]] = WALL
     changed = _parted(changed, [g for g in _facing(solid, ppm) if _swings(thin, g)], solid, ppm)
+    thick = solid_walls(ink, 2 * ppm)
+    for gap in list(_gaps(changed == DOOR, solid, ppm)):
+        swing = _swings(thin, gap)
+        if swing is not None:
+            swept, beyond = swing
+            # What goes on behind it is a wall, however thin.
+            _sweep(changed, solid if solid[beyond].any() else thick, swept)
 
     def blank(gap: _Gap) -> bool:
         rows, columns, turned, _ = gap
@@ -93,6 +100,8 @@ def solid_walls(ink: np.ndarray, ppm: float) -> np.ndarray:
 
 
 _Gap = tuple[slice, slice, bool, int]
+#: Rows and columns.
+_Box = tuple[slice, slice]
 
 
 def _gaps(drawn: np.ndarray, solid: np.ndarray, ppm: float) -> Iterator[_Gap]:
@@ -196,16 +205,26 @@ def _beside(structure: np.ndarray, rows: slice, columns: slice, turned: bool) ->
     return sides[0], sides[1]
 
 
-def _swings(thin: np.ndarray, gap: _Gap, *, leaves: bool = False) -> bool:
-    """Return whether an arc swings from an end of a gap, of one leaf as wide or of two halves.
+#: Pixels from a line to the blank beside it.
+_CLEAR = 4
 
-    With `leaves` an open leaf is drawn, too. `thin` (h, w) is where lines are; the arc's centre may
-    be in any depth of the wall.
+
+def _sweep(structure: np.ndarray, walls: np.ndarray, swept: _Box) -> None:
+    """Make floor of what a leaf sweeps within a room: an open leaf is no wall, its arc no door."""
+    part = structure[swept]
+    if (part == ROOM).mean() > 0.5:
+        part[np.isin(part, (WALL, DOOR, PASSAGE)) & ~walls[swept]] = ROOM
+
+
+def _swings(thin: np.ndarray, gap: _Gap, *, leaves: bool = False) -> tuple[_Box, _Box] | None:
+    """Return what a leaf sweeps whose arc is drawn, and what is behind; None where none is.
+
+    It swings from an end of the gap, as wide as that or half of it. With `leaves` an open leaf is
+    drawn, too. `thin` (h, w) is where lines are; the arc's centre may be in any depth of the wall.
     """
     rows, columns, turned, width = gap
     plane = thin.T if turned else thin
     across, along = (columns, rows) if turned else (rows, columns)
-    clear = 4  # pixels from a line to the blank beside it
     angles = np.radians(np.linspace(*SETTINGS.arc_angles, 15))
     for leaf in (width, width / 2):
         for radius in leaf * np.array(SETTINGS.arc_radii):
@@ -219,13 +238,35 @@ def _swings(thin: np.ndarray, gap: _Gap, *, leaves: bool = False) -> bool:
                         drawn = _drawn(plane, x, y)
                         if drawn < SETTINGS.arc_drawn:
                             continue
-                        beside = [_drawn(plane, x + way * d, y + side * d) for d in (-clear, clear)]
+                        beside = [
+                            _drawn(plane, x + way * d, y + side * d) for d in (-_CLEAR, _CLEAR)
+                        ]
                         if max(beside) > SETTINGS.arc_beside:
                             continue
                         ways = (way * radius, side * radius)
                         if not leaves or _leaf_drawn(plane, (hinge, y0), ways):
-                            return True
-    return False
+                            return _boxes_of_swing(gap, hinge, *ways)
+    return None
+
+
+def _boxes_of_swing(gap: _Gap, hinge: int, shut: float, opened: float) -> tuple[_Box, _Box]:
+    """Return what a leaf sweeps, as thick as the network sees it, and what is behind it when open.
+
+    From its hinge along the gap the shut leaf reaches `shut` pixels, the open one `opened` across.
+    """
+    rows, columns, turned, _ = gap
+    across = columns if turned else rows
+    edge = across.stop if opened > 0 else across.start
+    blur = SETTINGS.leaf_seen * abs(shut)
+    ends = sorted((hinge - np.sign(shut) * blur, hinge + shut + 2 * np.sign(shut)))
+
+    def span(low: float, high: float) -> slice:
+        return slice(max(0, round(min(low, high))), max(0, round(max(low, high))) + 1)
+
+    (near, far), (behind, end) = SETTINGS.leaf_reach, SETTINGS.behind_leaf
+    swept = span(edge + near * opened, edge + far * opened), span(*ends)
+    beyond = span(edge + behind * opened, edge + end * opened), span(hinge - blur, hinge + blur)
+    return (swept[::-1], beyond[::-1]) if turned else (swept, beyond)
 
 
 def _leaf_drawn(plane: np.ndarray, hinge: tuple[int, int], ways: tuple[float, float]) -> bool:
@@ -237,6 +278,22 @@ def _leaf_drawn(plane: np.ndarray, hinge: tuple[int, int], ways: tuple[float, fl
     return any(_drawn(plane, *line) > 0.95 for line in zip(x.T, y.T, strict=True))
 
 
+def with_swings(
+    openings: Sequence[TracedOpening], image: np.ndarray, wall_px: float
+) -> list[TracedOpening]:
+    """Return openings with the doors from which an arc swings as sure ones.
+
+    `image` (h, w, 3) uint8 has no text; walls are `wall_px` thick.
+    """
+    thin = ndimage.binary_dilation(ink_of(image) > SETTINGS.ink, np.ones((3, 3)))
+    return [
+        replace(opening, confidence=max(opening.confidence, SETTINGS.swung))
+        if opening.kind == "door" and _is_swung(opening, thin, wall_px)
+        else opening
+        for opening in openings
+    ]
+
+
 def with_swung_windows(
     openings: Sequence[TracedOpening],
     image: np.ndarray,
@@ -245,28 +302,34 @@ def with_swung_windows(
 ) -> list[TracedOpening]:
     """Return openings with the windows from which an arc swings as doors.
 
-    Not those of rooms `upstairs` that no room is behind. `image` (h, w, 3) uint8 has no text; walls
-    are `wall_px` thick.
+    Not those of rooms `upstairs` that no room is behind. `image` and `wall_px` as above.
     """
     thin = ndimage.binary_dilation(ink_of(image) > SETTINGS.ink, np.ones((3, 3)))
-    half = max(2, round(wall_px / 2))
     kept = []
     for opening in openings:
-        (x0, x1), (y0, y1) = (sorted(ends) for ends in zip(opening.start, opening.end, strict=True))
-        turned = y1 - y0 > x1 - x0
-        low, high, middle = (y0, y1, (x0 + x1) / 2) if turned else (x0, x1, (y0 + y1) / 2)
-        across = slice(max(0, round(middle) - half), round(middle) + half + 1)
-        gaps = []
-        for before, after in product((-3, 0, 3), repeat=2):  # its ends are known so well
-            along = slice(max(0, round(low) + before), round(high) + after)
-            rows, columns = (along, across) if turned else (across, along)
-            gaps.append((rows, columns, turned, along.stop - along.start))
-        straight = min(x1 - x0, y1 - y0) <= 2
         may = opening.kind == "window" and (opening.other or opening.room not in upstairs)
-        if may and straight and any(_swings(thin, gap, leaves=True) for gap in gaps):
+        if may and _is_swung(opening, thin, wall_px, leaves=True):
             opening = replace(opening, kind="door", confidence=min(opening.confidence, 0.5))
         kept.append(opening)
     return kept
+
+
+def _is_swung(
+    opening: TracedOpening, thin: np.ndarray, wall_px: float, *, leaves: bool = False
+) -> bool:
+    """Return whether an arc swings from an opening along x or y, as of :func:`_swings`."""
+    half = max(2, round(wall_px / 2))
+    (x0, x1), (y0, y1) = (sorted(ends) for ends in zip(opening.start, opening.end, strict=True))
+    turned = y1 - y0 > x1 - x0
+    low, high, middle = (y0, y1, (x0 + x1) / 2) if turned else (x0, x1, (y0 + y1) / 2)
+    across = slice(max(0, round(middle) - half), round(middle) + half + 1)
+    gaps = []
+    for before, after in product((-3, 0, 3), repeat=2):  # its ends are known so well
+        along = slice(max(0, round(low) + before), round(high) + after)
+        rows, columns = (along, across) if turned else (across, along)
+        gaps.append((rows, columns, turned, along.stop - along.start))
+    straight = min(x1 - x0, y1 - y0) <= 2
+    return straight and any(_swings(thin, gap, leaves=leaves) for gap in gaps)
 
 
 def _drawn(plane: np.ndarray, x: np.ndarray, y: np.ndarray) -> float:

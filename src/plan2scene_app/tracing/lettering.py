@@ -11,6 +11,7 @@ import cv2
 import numpy as np
 from scipy import ndimage
 
+from plan2scene_app.tracing.picture import fills
 from plan2scene_app.tracing.settings import SETTINGS
 
 #: The reader enlarges pictures with a shorter side than this, pixels.
@@ -41,25 +42,39 @@ def reader_installed() -> bool:
 
 def read_lines(image: np.ndarray) -> list[TextLine]:
     """Return the lines of text of a picture (h, w, 3) uint8 sRGB."""
+    top, left, image = _printed(image)
     side = max(image.shape[:2])
     factor = min(max(1.0, SETTINGS.text_px[0] / side), SETTINGS.text_px[1] / side)
     if factor != 1:
         how = cv2.INTER_AREA if factor < 1 else cv2.INTER_CUBIC
         image = cv2.resize(image, None, fx=factor, fy=factor, interpolation=how)
-    found = _read(image)
+    found = _read_whole(image)
     doubtful = [line for line in found if line.upright and _misread(line)]
     lines = [line for line in found if line not in doubtful and _is_sure(line)]
+    lines = [_as_it_stands(image, line) for line in lines]
     again = filter(_is_sure, _read_turned(image, doubtful))
     lines += [line for line in again if not any(_holds(one, line) for one in lines)]
     return [
         TextLine(
             line.text,
-            (line.middle[0] / factor, line.middle[1] / factor),
+            (left + line.middle[0] / factor, top + line.middle[1] / factor),
             (line.size[0] / factor, line.size[1] / factor),
             line.score,
         )
         for line in lines
     ]
+
+
+def _printed(image: np.ndarray) -> tuple[int, int, np.ndarray]:
+    """Return the part of a picture with something on it where it is small; its row and column."""
+    grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY).astype(np.float32)
+    ink = np.abs(grey - np.percentile(grey, 90)) > SETTINGS.drawing_ink
+    parts = ndimage.find_objects(ink.astype(int))
+    if not parts or fills(parts[0], ink.shape):
+        return 0, 0, image
+    edge = round(SETTINGS.printed_edge * max(ink.shape))
+    rows, columns = (slice(max(0, p.start - edge), p.stop + edge) for p in parts[0])
+    return rows.start, columns.start, image[rows, columns]
 
 
 def _holds(one: TextLine, other: TextLine) -> bool:
@@ -76,9 +91,37 @@ def _misread(line: TextLine) -> bool:
     return len(line.text) >= SETTINGS.reread[0] and line.score < SETTINGS.reread[1]
 
 
-def _read(image: np.ndarray) -> list[TextLine]:
-    """Return all that the reader takes for lines of text in a picture (h, w, 3) uint8 sRGB."""
-    result = _reader()(np.ascontiguousarray(image[..., ::-1]), text_score=0.0)
+def _read_whole(image: np.ndarray) -> list[TextLine]:
+    """Return all lines of a picture; one of which most lines stand upright is read lying, too.
+
+    Of short names the reader can't tell which way up they are; all of a drawing stand one way.
+    """
+    found = _read(image)
+    words = [line for line in found if len(line.text) > 1]
+    if len(words) < SETTINGS.turned or sum(line.upright for line in words) <= 0.5 * len(words):
+        return found
+    width, height = image.shape[1], image.shape[0]
+    downwards = [
+        replace(line, middle=(width - line.middle[1], line.middle[0]), size=line.size[::-1])
+        for line in _read(np.rot90(image), one_way=True)
+    ]
+    upwards = [
+        replace(line, middle=(line.middle[1], height - line.middle[0]), size=line.size[::-1])
+        for line in _read(np.rot90(image, -1), one_way=True)
+    ]
+
+    def letters(lines: Sequence[TextLine]) -> float:
+        return sum(len(line.text) * line.score for line in lines if _is_sure(line))
+
+    return max(downwards, upwards, found, key=letters)
+
+
+def _read(image: np.ndarray, *, one_way: bool = False) -> list[TextLine]:
+    """Return all that the reader takes for lines of text in a picture (h, w, 3) uint8 sRGB.
+
+    Each line may stand on its head unless all are known to stand `one_way` up.
+    """
+    result = _asked(image, use_det=True, use_cls=not one_way)
     if result.boxes is None or result.txts is None:
         return []
     lines = []
@@ -90,6 +133,23 @@ def _read(image: np.ndarray) -> list[TextLine]:
             x, y = np.asarray(box, float).mean(0).tolist()
             lines.append(TextLine(text.strip(), (x, y), tuple(extent.tolist()), float(score)))
     return lines
+
+
+def _as_it_stands(image: np.ndarray, line: TextLine) -> TextLine:
+    """Return a short lying line read without turning it over: OH upside down is HO."""
+    if line.upright or len(line.text) > SETTINGS.reread[0]:
+        return line
+    half = np.array(line.size) / 2 + 0.2 * min(line.size)
+    low = np.maximum(0, np.array(line.middle) - half).astype(int)
+    high = (np.array(line.middle) + half).astype(int)
+    result = _asked(image[low[1] : high[1], low[0] : high[0]], use_det=False, use_cls=False)
+    again = replace(line, text=result.txts[0].strip(), score=result.scores[0])
+    return again if again.text and again.score >= SETTINGS.reread[1] else line
+
+
+def _asked(image: np.ndarray, **ways: bool) -> Any:
+    """Return what the reader says; it keeps what it was told last, so it is told all."""
+    return _reader()(np.ascontiguousarray(image[..., ::-1]), text_score=0.0, use_rec=True, **ways)
 
 
 def _read_turned(image: np.ndarray, lines: Sequence[TextLine]) -> list[TextLine]:

@@ -1,7 +1,7 @@
-"""Rooms that the network takes for outside: a name stands in what lines close.
+"""What names tell of lines that the network takes for the border of rooms, or not.
 
 Balconies, decks and garages are drawn by thin or dashed lines; the middle of a hall has no wall in
-the network's sight.
+the network's sight. Counters of a kitchen are thin lines where walls are drawn solid.
 """
 
 from __future__ import annotations
@@ -12,8 +12,11 @@ import cv2
 import numpy as np
 from scipy import ndimage
 
-from plan2scene_app.tracing.ink import ink_of
-from plan2scene_app.tracing.settings import OUTSIDE, ROOM, SETTINGS, WALL
+from plan2scene_app.tracing.ink import ink_of, solid_walls
+from plan2scene_app.tracing.settings import DOOR, OUTSIDE, PASSAGE, ROOM, SETTINGS, WALL
+
+#: Times two pixels: the thickest line that is crossed.
+_LINE_PX = 5
 
 
 def with_named_areas(
@@ -48,6 +51,53 @@ def with_named_areas(
         # A line between two parts of a floor that the network saw in parts is furniture.
         changed[beside] = np.where(_wide(structure == ROOM)[beside], ROOM, WALL)
     return changed
+
+
+def without_counters(
+    structure: np.ndarray,
+    image: np.ndarray,
+    names: Sequence[tuple[float, float]],
+    kitchens: Sequence[tuple[float, float]],
+    ppm: float,
+) -> np.ndarray:
+    """Return the structure (h, w) uint8 with counters as part of their kitchen.
+
+    They have no name and thin lines before them; walls of the plan are drawn solid. `kitchens` are
+    the places (x, y) of their names, `names` of all rooms.
+    """
+    walls = _wide(solid_walls(ink_of(image), 2 * ppm))
+    lines = np.isin(structure, (WALL, DOOR, PASSAGE)) & ~walls
+    floors, count = ndimage.label(structure == ROOM)
+    areas = np.bincount(floors.ravel(), minlength=count + 1)
+    named, cooked = (_at(floors, places) for places in (names, kitchens))
+    changed = structure.copy()
+    for kitchen in cooked:
+        own = floors == kitchen
+        for number in np.unique(floors[_across(own, lines)]).tolist():
+            if number in {0, kitchen} | named or areas[number] > SETTINGS.counter * areas[kitchen]:
+                continue
+            counter = floors == number
+            between = _across(own, lines) & _across(counter, lines) & lines
+            around = _wide(counter) & ~counter
+            front = (_wide(_wide(between)) & around).sum()
+            if front >= SETTINGS.counter_front * around.sum():
+                changed[between] = ROOM
+    return changed
+
+
+def _at(floors: np.ndarray, places: Sequence[tuple[float, float]]) -> set[int]:
+    """Return the numbers of the floors (h, w) that lie at places (x, y)."""
+    h, w = floors.shape
+    inside = [(round(x), round(y)) for x, y in places if 0 <= x < w - 1 and 0 <= y < h - 1]
+    return {int(floors[y, x]) for x, y in inside} - {0}
+
+
+def _across(floor: np.ndarray, lines: np.ndarray) -> np.ndarray:
+    """Return a floor (h, w) bool with the lines along it and what lies right behind them."""
+    reached = floor
+    for _ in range(_LINE_PX):
+        reached = floor | (_wide(reached) & lines)
+    return _wide(reached)
 
 
 def _wide(mask: np.ndarray) -> np.ndarray:

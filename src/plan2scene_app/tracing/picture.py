@@ -132,6 +132,12 @@ class Frame:
         return np.asarray((points - self.matrix[:, 2]) @ np.linalg.inv(self.matrix[:, :2]).T)
 
 
+def fills(part: tuple[slice, slice], shape: tuple[int, ...]) -> bool:
+    """Return whether rows and columns are most of a picture's, so that these are looked at."""
+    longer = max(box.stop - box.start for box in part)
+    return longer >= SETTINGS.fills * max(shape[:2])
+
+
 def whole(image: np.ndarray, long_side: int) -> Frame:
     """Return a whole picture with its longer side at `long_side` pixels."""
     zoom = long_side / max(image.shape[:2])

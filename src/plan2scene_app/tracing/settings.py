@@ -66,6 +66,7 @@ class TraceSettings:
     page_paper: float = 0.65  #: share of one colour from which one of them is a drawing or a page
     ragged: tuple[float, float] = (0.85, 6.5)  #: probability below and mean corners above: a photo
     busy: tuple[float, float] = (0.78, 0.65)  #: probability and flat share below: a photo
+    fills: float = 0.75  #: of the longer side, from which a drawing is looked at with its paper
     # Drawings on one picture.
     drawing_ink: float = 25.0  #: grey values from paper to what is drawn
     drawing_gap: float = 0.012  #: of the longer side: blank paper between two drawings
@@ -106,6 +107,11 @@ class TraceSettings:
     arc_radii: tuple[float, ...] = (0.8, 0.86, 0.92, 0.98, 1.04)  #: shares of the gap
     arc_drawn: float = 0.85  #: share of an arc that is drawn
     arc_beside: float = 0.5  #: share of what is beside it that may be drawn
+    swung: float = 0.8  #: confidence of a door whose swing is drawn
+    #: From a wall to the end of an open leaf, and to what is behind: shares of the leaf's width.
+    leaf_reach: tuple[float, float] = (0.03, 1.3)
+    behind_leaf: tuple[float, float] = (1.4, 1.8)
+    leaf_seen: float = 0.35  #: share of its width that an open leaf is thick in the network's sight
     dash: float = 0.15  #: m between dashes of a line
     # Walls that are thin lines.
     thin_line: float = 0.45  #: m of the shortest
@@ -113,7 +119,7 @@ class TraceSettings:
     thin_wall_beside: float = 1.0  #: m of the longer of these two
     thin_scales: tuple[float, ...] = (0.8, 0.9, 1.0, 1.2, 1.5)  #: tried, of the first guess
     thin_rounds: int = 6  #: in which furniture is joined with its room
-    floors_a_name: float = 0.5  #: fewer floors than this for each name: thin walls are not seen
+    floors_a_name: float = 0.34  #: fewer floors than this for each name: thin walls are not seen
     thin_names: int = 2  #: names more that such lines part
     # Rooms.
     pocket: float = 0.15  #: share of the border of an enclosed area that is floor: a floor, too
@@ -123,6 +129,8 @@ class TraceSettings:
     shared_wall: float = 0.55  #: m: a gap up to this between rooms is a wall that both share
     closed: float = 0.7  #: share of a room's border with a wall, an opening or a room behind it
     island: float = 3.0  #: m2 up to which a room without an opening is part of another
+    counter: float = 0.35  #: of a kitchen's floor: its largest counter
+    counter_front: float = 0.3  #: share of its border that is open to the kitchen
     furniture_share: float = 0.55  #: share of a room's pixels of one kind from which it is the type
     # Stairs; by usual sizes, looked at on two real plans of two storeys and six of one.
     tread_line: float = 0.06  #: m of the thickest line of a tread
@@ -161,10 +169,13 @@ class TraceSettings:
     widest_door: float = 1.2  #: m: a wider gap between rooms is a passage
     # Text and scale.
     text_px: tuple[int, int] = (1300, 2000)  #: longer side that text is read at
+    printed_edge: float = 0.02  #: of the longer side: paper left around what is printed
     text_score: float = 0.6  #: of the reader, below which text is not used
     #: Letters and score: upright text of so many read less surely is read again. With no dilation
     #: of the reader: chosen on one real listing (development).
     reread: tuple[int, float] = (3, 0.9)
+    #: Least words of which most stand upright that make a picture one whose text is turned.
+    turned: int = 3
     door_width: tuple[float, float] = (0.85, 0.18)  #: m, spread of its logarithm between homes
     floor: tuple[float, float] = (12.0, 0.35)  #: m2 of a room, spread of the scale's logarithm
     agrees: float = 2.5  #: deviations within which evidence agrees

@@ -33,9 +33,14 @@ from plan2scene_app.tracing.drawings import (
     storeys_of,
 )
 from plan2scene_app.tracing.drawn_stairs import TracedFlight, covered, find_treads, flights_of
-from plan2scene_app.tracing.ink import drawn_solid, with_drawn_doors, with_swung_windows
+from plan2scene_app.tracing.ink import (
+    drawn_solid,
+    with_drawn_doors,
+    with_swings,
+    with_swung_windows,
+)
 from plan2scene_app.tracing.lettering import TextLine, read_lines, reader_installed, without_text
-from plan2scene_app.tracing.named_areas import with_named_areas
+from plan2scene_app.tracing.named_areas import with_named_areas, without_counters
 from plan2scene_app.tracing.open_rooms import with_open_rooms
 from plan2scene_app.tracing.openings import TracedOpening, find_openings
 from plan2scene_app.tracing.picture import (
@@ -43,6 +48,7 @@ from plan2scene_app.tracing.picture import (
     dark_on_light,
     door_widths,
     drawn_size,
+    fills,
     first_scale,
     how_sure,
     main_direction,
@@ -133,7 +139,7 @@ def trace_picture(
     seen = _seen(without_text(page, texts), segmenter, texts)
     frame, probabilities, regions = seen.frame, seen.probabilities, seen.regions
     polygons = _polygons(seen)
-    openings = find_openings(regions, polygons, probabilities)
+    openings = _openings(seen, polygons)
     sure = how_sure(probabilities, regions)
     refuse_other_pictures(path, picture.image, sure, polygons, len(openings))
     lines = _in_frame(texts, frame)
@@ -144,7 +150,7 @@ def trace_picture(
     if regions is not seen.regions:
         seen = replace(seen, regions=regions)
         polygons = _polygons(seen)
-        openings = find_openings(regions, polygons, probabilities)
+        openings = _openings(seen, polygons)
         rooms = describe_rooms(regions, polygons, probabilities, lines)
         scale = _scale(regions, rooms, openings, lines, given)
     treads = find_treads(frame.image, regions.ppm)
@@ -184,6 +190,12 @@ def _polygons(seen: _Seen) -> dict[int, Polygon]:
     for drawing in sorted(set(drawings.values())):
         polygons |= room_polygons(seen.regions, [n for n, d in drawings.items() if d == drawing])
     return polygons
+
+
+def _openings(seen: _Seen, polygons: dict[int, Polygon]) -> list[TracedOpening]:
+    """Return the openings between the rooms, and how sure they are."""
+    found = find_openings(seen.regions, polygons, seen.probabilities)
+    return with_swings(found, seen.frame.image, seen.regions.wall_px)
 
 
 def _drawings_of_rooms(seen: _Seen) -> dict[int, int]:
@@ -262,6 +274,9 @@ def _seen(image: np.ndarray, segmenter: PlanSegmenter, texts: Sequence[TextLine]
         divided, ppm = with_thin_walls(structure, frame.image, names, told, ppm)
     thin = divided is not structure
     divided = without_pockets(with_named_areas(divided, frame.image, names, ppm), ppm)
+    if seen_walls:
+        kitchens = [line.middle for line in lines if "Kitchen" in room_types(line.text)]
+        divided = without_counters(divided, frame.image, names, kitchens, ppm)
     if not thin:
         divided = with_passages(with_drawn_doors(divided, frame.image, ppm), ppm)
     lost = (divided == ROOM).sum() / frame.zoom**2 < floor.sum() / first.frame.zoom**2 / 2
@@ -311,10 +326,10 @@ def _look(frame: Frame, number: int, segmenter: PlanSegmenter) -> _Look:
 def _first_look(
     image: np.ndarray, numbers: np.ndarray, number: int, count: int, segmenter: PlanSegmenter
 ) -> _Look:
-    """Return a first look at one drawing alone; at the whole picture where it is the only one."""
-    if count == 1:
-        return _look(whole(image, segmenter.long_side), number, segmenter)
+    """Return a first look at one drawing alone; at the whole picture where it fills that."""
     rows, columns = ndimage.find_objects((numbers == number).astype(int))[0]
+    if count == 1 and fills((rows, columns), image.shape):
+        return _look(whole(image, segmenter.long_side), number, segmenter)
     edge = round(0.05 * max(rows.stop - rows.start, columns.stop - columns.start))
     top, left = max(0, rows.start - edge), max(0, columns.start - edge)
     place = (slice(top, rows.stop + edge), slice(left, columns.stop + edge))

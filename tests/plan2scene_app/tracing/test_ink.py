@@ -4,7 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
-from plan2scene_app.tracing.ink import with_drawn_doors, with_swung_windows
+from plan2scene_app.tracing.ink import with_drawn_doors, with_swings, with_swung_windows
+from plan2scene_app.tracing.named_areas import without_counters
 from plan2scene_app.tracing.openings import find_openings
 from plan2scene_app.tracing.regions import find_regions
 from plan2scene_app.tracing.rooms import room_polygons
@@ -60,6 +61,45 @@ def test_where_doors_swing_a_blank_gap_is_a_passage():
     page[93:120] = page[125:150] = 255
     page[labels == WALL] = 0  # without the swings all gaps are doors
     assert (with_drawn_doors(labels, page, PPM)[62:85, 151] == DOOR).all()
+
+
+@pytest.mark.parametrize("goes_on", [False, True])
+def test_an_open_leaf_is_no_wall_unless_a_wall_goes_on_behind_it(goes_on):
+    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels())
+    labels[80:120, 88:91] = WALL  # the open leaf, and as much again
+    page = solid_page(labels)
+    page[80 : 80 if goes_on else 95, 86:93] = 255
+    cv2.ellipse(page, (88, 121), (27, 27), 0, 180, 270, (0, 0, 0), 1)  # from 2.0 to 2.9 m
+    found = with_drawn_doors(labels, page, PPM)
+    assert (found[95:119, 89] == (WALL if goes_on else ROOM)).all()
+    assert (found[121, 62:85] == DOOR).all()
+
+
+def test_a_door_whose_swing_is_drawn_is_a_sure_one():
+    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels()).astype(np.uint8)
+    page = solid_page(labels)
+    cv2.ellipse(page, (60, 121), (27, 27), 0, -90, 0, (0, 0, 0), 1)
+    regions = find_regions(labels, PPM)
+    seen = find_openings(regions, room_polygons(regions), as_probabilities(labels, 0.4))
+    found = with_swings(seen, page, regions.wall_px)
+    sure = [opening for opening in found if opening.confidence > 0.7]
+    assert [opening.kind for opening in sure] == ["door"] and sure[0].start[1] > 115
+
+
+def test_counters_with_thin_lines_before_them_are_part_of_a_named_kitchen():
+    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels())
+    labels[33:51, 195:237] = ROOM
+    labels[51:54, 195:240] = labels[30:54, 195:198] = WALL
+    page = solid_page(labels)
+    page[33:54, 195:239] = 255
+    page[52, 195:239] = page[33:52, 196] = 0  # one thin line around a counter
+    labels[52, 205:220] = DOOR
+    kitchen, bedroom = (170.0, 80.0), (90.0, 80.0)
+    found = without_counters(labels, page, [kitchen, bedroom], [kitchen], PPM)
+    assert (found[40:60, 210] == ROOM).all() and (found[50:60, 151] == WALL).all()
+    named = without_counters(labels, page, [kitchen, (215.0, 40.0)], [kitchen], PPM)
+    assert (named == labels).all()
+    assert (without_counters(labels, page, [kitchen], [], PPM) == labels).all()
 
 
 @pytest.mark.parametrize("leaves", [2, 0])

@@ -112,6 +112,20 @@ def test_text_is_read(tmp_path):
     assert read_lines(alone) == []  # a picture without text is no letter as large as itself
 
 
+@pytest.mark.parametrize("turns", [1, -1])
+def test_text_of_a_turned_plan_is_read(turns):
+    pytest.importorskip("rapidocr")
+    image = np.full((700, 500, 3), 255, np.uint8)
+    for text, y in (("OH", 100), ("Kitchen", 250), ("MH", 400), ("WC", 550)):
+        cv2.putText(image, text, (160, y), cv2.FONT_HERSHEY_SIMPLEX, 1.2, (0, 0, 0), 2)
+    found = {line.text: line for line in read_lines(np.ascontiguousarray(np.rot90(image, turns)))}
+    assert set(found) == {"OH", "Kitchen", "MH", "WC"} and found["Kitchen"].upright
+    x, y = found["OH"].middle
+    assert (y if turns == -1 else 500 - y) == pytest.approx(190, abs=15)
+    assert (700 - x if turns == -1 else x) == pytest.approx(88, abs=15)
+    assert "OH" in {line.text for line in read_lines(image)}  # upside down it is HO
+
+
 def test_upright_text_that_is_hardly_read_is_read_again_turned(monkeypatch):
     """A reader that knows lying text only finds the same dark mark in the same place."""
 
