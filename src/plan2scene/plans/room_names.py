@@ -60,7 +60,7 @@ _STEMS = {
     "Closet": (
         "closet wardrobe storage store stor sto abstell abst kammer dress dressing placard pl "
         "cellier armario vestidor trastero despensa ripostiglio rip sgabuzzino berging berg kast "
-        "pantry ptry wip cupboard cupbd cpbd cpd walkin speisekammer ankleide larder klk "
+        "pantry ptry wip cupboard cupbd cpbd cpd walkin w_i speisekammer ankleide larder klk "
         "kladkammare forrad garderob bir wir wic sic robe linen lin cub rangement rgt lager "
         "arrumos roupeiro bod skab garderobe pukuhuone vaatehuone "
         "vh varasto garderoba gard spizarnia schowek kiler гардероб кладов ארון מחסן "
@@ -123,9 +123,10 @@ def _type_of(text: str) -> str | None:
     if plain in _TYPES:
         return None if plain == "unknown" else _TYPES[plain]
     words = plain.split()
+    joined = "_".join(words)
     for kind, stems in _STEMS.items():
         for stem in stems.split():
-            if ("_" in stem and stem in "_".join(words)) or any(_is(w, stem) for w in words):
+            if ("_" in stem and f"_{stem}" in f"_{joined}") or any(_is(w, stem) for w in words):
                 return kind
     return None
 
