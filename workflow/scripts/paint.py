@@ -34,5 +34,6 @@ with job(snakemake.log[0]):
         output.paint,
         output.textures,
         open_air={room.id for room in plan.rooms if room.open_air},
+        bathrooms={room.id for room in plan.rooms if "Bathroom" in room.types},
         last_word=set_finishes if finishes else None,
     )

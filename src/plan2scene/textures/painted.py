@@ -89,6 +89,7 @@ def paint_textures(
     out_dir: str | Path,
     *,
     open_air: Collection[str] = (),
+    bathrooms: Collection[str] = (),
     last_word: Callable[[Path], None] | None = None,
 ) -> None:
     """Write a textures folder whose tiles and maps have the colours of ``paint.parquet``.
@@ -96,9 +97,9 @@ def paint_textures(
     The folder has the files of the first one, without maps of plain white surfaces, whose tile has
     all that there is, and ``doors.json``: sRGB levels of door leaves by the id of their opening;
     ``trim.json`` of frames and skirting where these are of wood. An accent wall has its room's
-    pattern in its own paint. An unseen white wall has no pattern of another room, unseen surfaces
-    of rooms in the `open_air` (their ids) are of stone and render. `last_word` may change the
-    folder before it takes its place.
+    pattern in its own paint. An unseen white wall has no pattern of another room, unseen floors and
+    walls of `bathrooms` (their ids) are as in another one, unseen surfaces of rooms in the
+    `open_air` are of stone and render. `last_word` may change the folder before it takes its place.
     """
     root = Path(textures)
     listed = texture_index(root)
@@ -111,7 +112,14 @@ def paint_textures(
             tiles[key], entries[key] = tiles[usual], entries[usual] | {"observed": True}
             if usual not in paints:  # its crops show the accent
                 entries[usual] = entries[usual] | {"observed": False}
+    alike = _other_bathrooms(bathrooms, entries, paints)
+    for key, other in alike.items():
+        tiles[key], paints[key] = tiles[other], paints[other]
+        source = f"as in the other bathroom, like {other.room_id}"
+        entries[key] = entries[other] | {"observed": False, "source": source}
+    white_surfaces |= {key for key, other in alike.items() if other in white_surfaces}
     unseen = {key for key, entry in entries.items() if entry.get("observed") is False}
+    unseen -= alike.keys()
     shown = {
         key: np.maximum(srgb_to_linear(median_colour(tile)), _BLACK) for key, tile in tiles.items()
     }
@@ -148,7 +156,7 @@ def paint_textures(
             bare = plains[key].image if key in plains else repainted(tile, gains[key])
             write_png(folder / f"{key.filename}.png", bare)
             whole = root / f"{key.filename}.jpg"
-            if whole.is_file() and key not in plains:
+            if whole.is_file() and key not in plains.keys() | alike.keys():
                 lit = repainted(read_image(whole), gains[key])
                 (folder / whole.name).write_bytes(jpeg_bytes(lit, quality=_QUALITY))
         write_json(folder / "doors.json", doors)
@@ -173,10 +181,24 @@ def paint_textures(
             sized[name] = entry | facts.get(name, {}) | {"evidence": evidence}
         write_json(folder / "textures.json", index | {"surfaces": sized})
         if has_maps:
-            kept = {name: e for name, e in maps["surfaces"].items() if name not in facts}
+            gone = facts.keys() | {"/".join(key) for key in alike}
+            kept = {name: e for name, e in maps["surfaces"].items() if name not in gone}
             write_json(folder / "maps.json", maps | {"surfaces": kept})
         if last_word is not None:
             last_word(folder)
+
+
+def _other_bathrooms(
+    bathrooms: Collection[str],
+    entries: Mapping[SurfaceKey, Mapping[str, Any]],
+    paints: Mapping[SurfaceKey, np.ndarray],
+) -> dict[SurfaceKey, SurfaceKey]:
+    """Return the floor or wall that each unseen one of a bathroom is like: one with crops first."""
+    wet = [key for key in sorted(entries) if key.room_id in bathrooms and key.kind != "ceiling"]
+    seen = [key for key in wet if key in paints]
+    seen.sort(key=lambda key: entries[key].get("observed") is False)
+    first = {key.surface: key for key in reversed(seen)}
+    return {key: first[key.surface] for key in wet if key not in seen and key.surface in first}
 
 
 @dataclass(frozen=True)

@@ -174,6 +174,25 @@ def test_what_nothing_in_the_house_tells_of_is_plain(paint, tmp_path):
     assert all(median_colour(other)[2] > median_colour(other)[1] for other in (copied, wood))
 
 
+def test_an_unseen_bathroom_is_like_another_one(paint, tmp_path):
+    tiled = np.full((64, 64, 3), 170, np.uint8)
+    tiled[::16] = 90
+    boards = np.full((64, 64, 3), (180, 120, 60), np.uint8)
+    names = {"a/wall": tiled, "b/wall": boards, "c/wall": boards, "e/wall": boards}
+    other = {"observed": False, "source": "exemplar of b, 3.0 dE2000 to the predicted colour"}
+    entries = {"a/wall": {"substance": "tile"}, "c/wall": other, "e/wall": other}
+    folder = textures_of(tmp_path / "t", names, **entries)
+    paint_textures(folder, paint, tmp_path / "out", bathrooms=["a", "c"])
+    bath, unseen, room = (read_image(tmp_path / "out" / f"{name}_wall.png") for name in "ace")
+    assert np.array_equal(unseen, bath) and not np.array_equal(room, bath)
+    index = read_json(tmp_path / "out" / "textures.json")["surfaces"]
+    assert index["c/wall"]["substance"] == "tile" and index["c/wall"]["observed"] is False
+    assert index["c/wall"]["evidence"]["like"] == "a"
+    assert index["c/wall"]["evidence"]["words"].startswith("guessed from the a")
+    assert "c/wall" not in read_json(tmp_path / "out" / "maps.json")["surfaces"]
+    assert not (tmp_path / "out" / "c_wall.jpg").exists()
+
+
 def test_unseen_surfaces_follow_the_house():
     grey, white = np.full(3, 0.2), np.full(3, 0.8)
     key = SurfaceKey
