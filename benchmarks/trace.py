@@ -1,15 +1,17 @@
 """Traces drawn plans in styles that no training saw, for docs/measurements/trace.md.
 
-python benchmarks/trace.py [--listings FOLDER] [--plans 60] [--opened 0.4] [--dark]
+python benchmarks/trace.py [--listings FOLDER [--copies]] [--plans 60] [--opened 0.4] [--dark]
     [--pictures FOLDER]
 
 Real listings come first where there are some: FOLDER/HOME/plan.* with FOLDER/HOME.json (what is
-true) and FOLDER/score.py, which prints the figures of a traced plan.
+true) and FOLDER/score.py, which prints the figures of a traced plan. With --copies a table says
+what becomes of them in copies that a person would call the same picture.
 """
 
 from __future__ import annotations
 
 import argparse
+import re
 import subprocess
 import sys
 import tempfile
@@ -19,6 +21,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from PIL import Image
 from scipy.optimize import linear_sum_assignment
 from shapely.geometry import Polygon
 
@@ -207,6 +210,46 @@ def print_listings(folder: Path, model: Path | None) -> None:
                 subprocess.run([*score, str(out)], check=True)
 
 
+def on_paper(image: Image.Image) -> Image.Image:
+    """Return a picture in the middle of a page that is 1.66 times as wide and high."""
+    page = Image.new("RGB", (int(image.width * 1.66), int(image.height * 1.66)), "white")
+    page.paste(image, (image.width // 3, image.height // 3))
+    return page
+
+
+COPIES = {
+    "as it is": lambda image: image,
+    "half": lambda image: image.resize((image.width // 2, image.height // 2), Image.LANCZOS),
+    "enlarged": lambda image: image.resize(
+        (int(image.width * 1.4), int(image.height * 1.4)), Image.BICUBIC
+    ),
+    "on more paper": on_paper,
+    "turned": lambda image: image.rotate(3, expand=True, fillcolor="white", resample=Image.BICUBIC),
+}
+
+
+def print_copies(folder: Path, model: Path | None) -> None:
+    """Print room F1 and doors of each copy of each listing's picture."""
+    print(f"| listing | {' | '.join(COPIES)} |\n|---|{'---|' * len(COPIES)}")
+    for truth in sorted(folder.glob("*.json")):
+        cells = []
+        (picture,) = (p for p in (folder / truth.stem).glob("plan.*") if p.suffix != ".json")
+        for copied in COPIES.values():
+            with tempfile.TemporaryDirectory() as made:
+                copied(Image.open(picture).convert("RGB")).save(Path(made) / "copy.png")
+                try:
+                    write_trace(Path(made) / "copy.png", Path(made) / "plan.json", model=model)
+                except InputError:
+                    cells.append("refused")
+                    continue
+                score = [sys.executable, "score.py", ".", truth.stem, f"{made}/plan.json"]
+                said = subprocess.run(score, cwd=folder, check=True, capture_output=True, text=True)
+                rooms = re.search(r"all rooms +F1 ([0-9.]+)", said.stdout)
+                doors = re.search(r"found (\d+ of \d+)", said.stdout)
+                cells.append(f"{float(rooms[1]):.2f}, {doors[1]}")
+        print(f"| {truth.stem} | {' | '.join(cells)} |", flush=True)
+
+
 def print_table(results: dict[str, list[dict[str, float]]]) -> None:
     """Print the table of the page."""
     print(
@@ -231,6 +274,7 @@ def main() -> None:
     """Print the table; with --pictures write overlays whose names begin with their figures."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--listings", type=Path)
+    parser.add_argument("--copies", action="store_true")
     parser.add_argument("--plans", type=int, default=60)
     parser.add_argument("--opened", type=float, default=0.0)
     parser.add_argument("--dark", action="store_true")
@@ -240,7 +284,9 @@ def main() -> None:
     if given.pictures is not None:
         given.pictures.mkdir(parents=True, exist_ok=True)
     if given.listings is not None:
-        print_listings(given.listings, given.model)
+        (print_copies if given.copies else print_listings)(given.listings, given.model)
+    if not given.plans:
+        return
     found = measure(given.plans, given.model, given.pictures, given.opened, dark=given.dark)
     print_table(found)
 

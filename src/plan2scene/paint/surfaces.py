@@ -288,11 +288,11 @@ def plain_whites(
 def grey_floor(predicted: np.ndarray) -> np.ndarray:
     """Return the paint (3,) of a floor of stone or carpet that nothing in the house tells of.
 
-    It has the hue of pale floors and the brightness of what is `predicted` (3,), linear RGB, within
-    what is usual: a prediction alone is no ground for a pink bathroom.
+    It has the hue of pale floors and the brightness of what is `predicted` (3,), linear RGB, from
+    a usual dark one to white: a prediction alone is no ground for a pink bathroom.
     """
     mean, deviation = (axes[0] for axes in (PaintPrior.pale, PaintPrior.pale_deviation))
-    bright = np.clip(log_axes(predicted)[0], mean[0] - deviation[0], mean[0] + deviation[0])
+    bright = np.clip(log_axes(predicted)[0], mean[0] - deviation[0], PaintPrior.white[0])
     return from_log_axes(np.array([bright, *mean[1:]]))
 
 
