@@ -17,19 +17,21 @@ _STEMS = {
         "badk badkamer shower shwr shr dusche douche ducha doccia wc toil toilet toilette lav "
         "lavatory restroom washroom ens ensuite en_suite powder powd pwdr pwd pdr servizi sauna "
         "lavabo badrum dusch sdb sde duschbad banheiro "
-        "casa_de_banho lavatorio bad_en_suite baderom badevaerelse toalett kylpyhuone kph khh ph "
+        "casa_de_banho lavatorio bad_en_suite baderom badevaerelse toalett kylpyhuone "
+        "kph khh kh ph sd_b elternbad gastebad "
         "pesuhuone suihku laz lazienka toaleta banyo tuvalet ванн санузел туалет душев"
         "אמבטיה שירותים מקלחת 浴室 洗面 トイレ 風呂 バス 厠"
     ),
     "Kitchen": (
         "kitchen kit kitch ktchn kuche kueche kuch kuchen kochen cuisine cuis cocina coc cucina "
         "cuc keuken kitchenette scullery "
-        "pantry_kitchen butlers_pantry kok kokken kjokken kjk cozinha coz keittio kk kuchnia "
+        "pantry_kitchen butlers_pantry kok kokken kjokken kjk cozinha coz keittio kk kt kuchnia "
         "aneks_kuchenny mutfak кухн מטבח キッチン 台所 厨房"
     ),
     "Bedroom": (
         "bedroom bedrm bdrm br mbr schlaf sz chambre chbre dormitorio dorm habitacion hab camera "
         "cam cameretta slaapk slpk kinderz kind kids guest gastez nursery alcoba recamara cuarto "
+        "eltern gaste alkovi alk "
         "bed sovrum sov letto ch suite quarto sovevaerelse vaerelse soverom makuuhuone mh "
         "sypialnia pokoj pok yatak_odasi спальн детск שינה ילדים 寝室 洋室 和室 子供部屋 主卧 卧室"
     ),
@@ -41,7 +43,7 @@ _STEMS = {
     ),
     "Outdoor": (
         "outdoor outside garden garten jardin giardino tuin yard courtyard carport exterior "
-        "draussen hof parking jardim have hage piha ogrod bahce сад גינה חצר 庭"
+        "draussen hof parking jardim have hage piha autokatos ogrod bahce сад גינה חצר 庭"
     ),
     "Staircase": (
         "stair stairs staircase treppe treppenhaus escalier escalera scala scale trap "
@@ -49,7 +51,7 @@ _STEMS = {
     ),
     "Entrance": (
         "entry ent entrance entree eingang foyer vestibule recibidor entrada ingresso ingr lobby "
-        "mudroom mud_room windfang vorraum draughtlobby entre eteinen et tk wiatrolap antre "
+        "mudroom mud_room mud windfang vorraum draughtlobby entre eteinen et tk wiatrolap antre "
         "прихож тамбур כניסה 玄関"
     ),
     "Corridor": (
@@ -62,7 +64,7 @@ _STEMS = {
         "cellier armario vestidor trastero despensa ripostiglio rip sgabuzzino berging berg kast "
         "pantry ptry wip cupboard cupbd cpbd cpd walkin w_i speisekammer ankleide larder klk "
         "kladkammare forrad garderob bir wir wic sic robe linen lin cub rangement rgt lager "
-        "arrumos roupeiro bod skab garderobe pukuhuone vaatehuone "
+        "arrumos roupeiro bod skab garderobe pukuhuone pukuh vaatehuone "
         "vh varasto garderoba gard spizarnia schowek kiler гардероб кладов ארון מחסן "
         "クローゼット 収納 押入 物入 納戸 储藏"
     ),
@@ -71,6 +73,7 @@ _STEMS = {
         "aufzug ascenseur ascensor utility util laundry laund lndry ldry l_dry ldy buand "
         "lavanderia lavadero lavandaria bijkeuken "
         "technical technik mech hwr hauswirtschaft tvatt tvattstuga vaskerom bryggers "
+        "loft attic basement "
         "kodinhoitohuone pralnia heizung heizungsraum keller cellar cave plant workshop werkstatt "
         "vaerksted verksted "
         "gym study stdy office buro arbeitsz bureau despacho ufficio werkkamer escritorio kontor "
@@ -82,7 +85,7 @@ _STEMS = {
         "eetkamer family fam den meals media cinema snug rumpus sunroom conservatory playroom "
         "library great_room great_rm drawing parlour parlor studio stube zimmer vardagsrum "
         "matplats allrum activity theatre estar stue stua spisestue spisestuen faellesrum alrum "
-        "olohuone oh ruokailu tupakeittio jadalnia salonu oturma_odasi yasam "
+        "olohuone oh ruokailu ruok tupakeittio jadalnia salonu oturma_odasi yasam "
         "гостин зал столов סלון מגורים אוכל リビング ダイニング 居間 客厅 ldk"
     ),
 }

@@ -6,9 +6,9 @@ from plan2scene.plans.room_names import room_types
 
 NAMES = {
     ("Bedroom",): "Master bedroom 2|Zimmer 2|Camera da letto|Slaapkamer|Makuuhuone 2|Sypialnia"
-    "|Yatak odası|חדר שינה|洋室6帖|BDRM 2|BR1|M.BED|Schlafz.|Dorm. 2",
+    "|Yatak odası|חדר שינה|洋室6帖|BDRM 2|BR1|M.BED|Schlafz.|Dorm. 2|ALK|Eltern",
     ("Bathroom",): "Salle de bains|WC|Upstairs Bathroom|Baño|Garage / WC|Łazienka|Casa de banho"
-    "|PWDR|PDR RM|ENS.|W.C.",
+    "|PWDR|PDR RM|ENS.|W.C.|KH|SdB|Gästebad",
     ("Reception",): "Wohnzimmer|Séjour|Soggiorno|Woonkamer|LivingRoom|Гостиная|FAM RM|Sogg.",
     ("Kitchen",): "Butler's pantry|BUTLERS PANTRY|KIT|K|Køkken|מטבח",
     ("Closet",): "W/I CL|W/I A|Ripostiglio|ST|W.I.R.|WIC|P'TRY|CUPB'D|Abstellr.",
