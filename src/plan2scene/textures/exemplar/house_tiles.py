@@ -6,8 +6,8 @@ the colour of all of its pixels, gets the exemplar of the house that is nearest 
 (the one that the prediction copies, else of the same kind of surface and substance, nearest
 embedding), since a house repeats its materials, in its own colour. Where none of the kind has the
 predicted substance, a procedural tile of it is made up. Floors whose photos show no joints go on no
-tiled one but copies. Only where the house shows none of the kind the predicted embedding is
-decoded. Each tile's source says which way it was made.
+tiled one but copies. Only the embedding of a surface with crops, none of which is good, in a house
+without an exemplar of the kind is decoded. Each tile's source says which way it was made.
 """
 
 from __future__ import annotations
@@ -165,10 +165,12 @@ def _nearest(
     """
     kind = surface.key.surface
     pool = [key for key in own if key.surface == kind]
-    if not pool:
-        return NoTile(f"no exemplar of a {kind} in the house")
     code = _code(surface)
     tone = np.clip(code[-3:], 0.0, 1.0) if surface.tone is None else surface.tone
+    if not pool:
+        if surface.observed:
+            return NoTile(f"no exemplar of a {kind} in the house")
+        return _usual_tile(inputs, surface, tone)
     copied = [key for key in pool if np.array_equal(_code(surfaces[key])[:-3], code[:-3])]
     if surface.key in jointless:
         fitting = [key for key in pool if key in jointless]
