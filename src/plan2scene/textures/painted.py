@@ -193,12 +193,21 @@ def _other_bathrooms(
     entries: Mapping[SurfaceKey, Mapping[str, Any]],
     paints: Mapping[SurfaceKey, np.ndarray],
 ) -> dict[SurfaceKey, SurfaceKey]:
-    """Return the floor or wall that each unseen one of a bathroom is like: one with crops first."""
+    """Return the floor or wall that each unseen one of a bathroom is like: one with crops first.
+
+    Those whose texture was taken from a bathroom stay as they are.
+    """
     wet = [key for key in sorted(entries) if key.room_id in bathrooms and key.kind != "ceiling"]
     seen = [key for key in wet if key in paints]
     seen.sort(key=lambda key: entries[key].get("observed") is False)
     first = {key.surface: key for key in reversed(seen)}
-    return {key: first[key.surface] for key in wet if key not in seen and key.surface in first}
+    return {
+        key: first[key.surface]
+        for key in wet
+        if key not in seen
+        and key.surface in first
+        and _room_of_source(entries[key], bathrooms) is None
+    }
 
 
 @dataclass(frozen=True)
