@@ -112,19 +112,19 @@ def paint_textures(
             tiles[key], entries[key] = tiles[usual], entries[usual] | {"observed": True}
             if usual not in paints:  # its crops show the accent
                 entries[usual] = entries[usual] | {"observed": False}
+    unseen = {key for key, entry in entries.items() if entry.get("observed") is False}
     alike = _other_bathrooms(bathrooms, entries, paints)
+    unseen -= alike.keys()
+    whites = plain_whites(paints, white_surfaces, unseen)  # by what photos show
     for key, other in alike.items():
         tiles[key], paints[key] = tiles[other], paints[other]
         source = f"as in the other bathroom, like {other.room_id}"
         entries[key] = entries[other] | {"observed": False, "source": source}
     white_surfaces |= {key for key, other in alike.items() if other in white_surfaces}
-    unseen = {key for key, entry in entries.items() if entry.get("observed") is False}
-    unseen -= alike.keys()
     shown = {
         key: np.maximum(srgb_to_linear(median_colour(tile)), _BLACK) for key, tile in tiles.items()
     }
     white = np.exp(PaintPrior().white[0]) * np.ones(3)
-    whites = plain_whites(paints, white_surfaces, unseen)
     gains = paint_gains(shown, paints, whites, white)
     photos, rooms = read_seen_photos(paint), {key.room_id for key in entries}
     for key in unseen - paints.keys():

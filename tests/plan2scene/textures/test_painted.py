@@ -193,6 +193,21 @@ def test_an_unseen_bathroom_is_like_another_one(paint, tmp_path):
     assert not (tmp_path / "out" / "c_wall.jpg").exists()
 
 
+def test_rooms_are_as_the_walls_that_photos_show_without_those_of_unseen_bathrooms(tmp_path):
+    wood, white = [0.5, 0.25, 0.1], [0.82, 0.82, 0.82]
+    rows = [(room, "wall", wood, False, "1.jpg") for room in "bd"]
+    rows.append(("a", "wall", white, True, "2.jpg"))
+    table = pd.DataFrame(rows, columns=["room_id", "surface", "paint", "white", "photos"])
+    write_parquet(tmp_path / "paint.parquet", table, {"dataset": "d", "house": "h"})
+    grey, brown = (np.full((8, 8, 3), colour, np.uint8) for colour in (150, (150, 100, 60)))
+    names = {f"{room}/wall": grey if room in "ac" else brown for room in "abcde"}
+    unseen = {"observed": False, "source": "exemplar of b, 1.0 dE2000 to the predicted colour"}
+    folder = textures_of(tmp_path / "t", names, **dict.fromkeys(("c/wall", "e/wall"), unseen))
+    paint_textures(folder, tmp_path / "paint.parquet", tmp_path / "out", bathrooms=["a", "c"])
+    bath, room = (median_colour(read_image(tmp_path / "out" / f"{n}_wall.png")) for n in "ce")
+    assert np.ptp(bath) < 0.02 and np.ptp(room) > 0.2
+
+
 def test_unseen_surfaces_follow_the_house():
     grey, white = np.full(3, 0.2), np.full(3, 0.8)
     key = SurfaceKey
