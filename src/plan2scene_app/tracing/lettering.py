@@ -143,7 +143,9 @@ def _as_it_stands(image: np.ndarray, line: TextLine) -> TextLine:
     low = np.maximum(0, np.array(line.middle) - half).astype(int)
     high = (np.array(line.middle) + half).astype(int)
     result = _asked(image[low[1] : high[1], low[0] : high[0]], use_det=False, use_cls=False)
-    again = replace(line, text=result.txts[0].strip(), score=result.scores[0])
+    if not result.txts:
+        return line
+    again = replace(line, text=result.txts[0].strip(), score=float(result.scores[0]))
     return again if again.text and again.score >= SETTINGS.reread[1] else line
 
 
