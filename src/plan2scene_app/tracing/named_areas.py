@@ -77,9 +77,6 @@ def without_counters(
             if number in {0, kitchen} | named or areas[number] > SETTINGS.counter * areas[kitchen]:
                 continue
             counter = floors == number
-            depth = 2 * cv2.distanceTransform(counter.astype(np.uint8), cv2.DIST_L2, 5).max()
-            if depth > SETTINGS.counter_depth * areas[kitchen] ** 0.5:
-                continue
             between = _across(own, lines) & _across(counter, lines) & lines
             around = _wide(counter) & ~counter
             front = (_wide(_wide(between)) & around).sum()

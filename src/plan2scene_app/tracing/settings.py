@@ -130,7 +130,6 @@ class TraceSettings:
     closed: float = 0.7  #: share of a room's border with a wall, an opening or a room behind it
     island: float = 3.0  #: m2 up to which a room without an opening is part of another
     counter: float = 0.35  #: of a kitchen's floor: its largest counter
-    counter_depth: float = 0.3  #: of the side of a square kitchen: its deepest counter
     counter_front: float = 0.3  #: share of its border that is open to the kitchen
     furniture_share: float = 0.55  #: share of a room's pixels of one kind from which it is the type
     # Stairs; by usual sizes, looked at on two real plans of two storeys and six of one.
