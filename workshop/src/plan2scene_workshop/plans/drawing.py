@@ -48,6 +48,7 @@ def draw_plan(
         rail_depth=style.rail_depth,
         cut_corners=style.cut_corners,
         opened=style.opened,
+        windows=style.window != "none",
     )
     x0, z0, x1, z1 = shapely.union_all([plan.outer, plan.rails, *plan.rooms]).bounds
     low, high = MARGIN_M

@@ -13,7 +13,7 @@ class PlanSettings:
     start: str | None = None
 
     # Drawings.
-    drawings: int = 1600  #: different homes, each in one style; a view is a new copy of one
+    drawings: int = 3000  #: different homes, each in one style; a view is a new copy of one
     blank_share: float = 0.04  #: of the views: a sheet without any plan
     ppm_low: float = 18.0  #: pixels a metre
     ppm_high: float = 46.0
@@ -23,7 +23,7 @@ class PlanSettings:
     side: int = 352  #: pixels
 
     # Optimiser: AdamW; a linear rise, then a cosine to a hundredth.
-    steps: int = 3200
+    steps: int = 6000
     learning_rate: float = 3e-3  #: at the peak
     weight_decay: float = 0.02  #: of all but norms and biases
     clip_norm: float = 5.0  #: of the gradient
@@ -36,6 +36,6 @@ class PlanSettings:
     long_side: int = 640  #: pixels of the longer side of a plan's picture
 
     # The best of the validations is kept.
-    evaluate_every: int = 450  #: steps
+    evaluate_every: int = 1000  #: steps
     held_out: int = 16  #: drawings of other homes that a validation sees
     figures: int = 40  #: drawings in styles held out that the card's figures are of

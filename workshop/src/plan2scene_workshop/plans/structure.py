@@ -72,16 +72,17 @@ def structure_of(
     rail_depth: float,
     cut_corners: float,
     opened: float = 0.0,
+    windows: bool = True,
 ) -> Structure:
     """Return what a drawing shows of a house.
 
     Outer walls lie outside the line of the rooms' outlines but for half of an inner wall's
     thickness. Corners of rooms are cut off with the chance `cut_corners` each, inner doors become
-    passages with the chance `opened`.
+    passages with the chance `opened`; without `windows` their walls go on.
     """
     rooms = [room_polygon(room) for room in house.rooms]
     types = tuple(room.types for room in house.rooms)
-    spans = _spans(house)
+    spans = [span for span in _spans(house) if windows or span[0] != "window"]
     rooms = _cut_corners(rooms, [span for *_, span in spans], rng, cut_corners)
     if opened:
         spans = opened_doors(spans, rooms, types, rng, opened)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,7 +17,7 @@ CHOICES: dict[str, dict[str, float]] = {
         "double": 2.5,
         "hatched": 2.0,
         "line": 2.0,
-        "mixed": 2.5,
+        "mixed": 4.0,
         "crossed": 1.0,
     },
     "door": {
@@ -40,6 +40,7 @@ CHOICES: dict[str, dict[str, float]] = {
         "gap": 0.4,
         "line": 1.5,
         "niche": 2.5,
+        "none": 0.8,
     },
     "passage": {"gap": 4.0, "dashed": 1.5, "lines": 1.0, "line": 1.5, "dotted": 0.5},
     "rail": {"outline": 4.0, "dashed": 1.5, "line": 1.0, "posts": 0.7},
@@ -129,7 +130,7 @@ def draw_style(rng: np.random.Generator, *, held_out: bool = False) -> PlanStyle
         tint = tuple(int(v * 0.5) for v in tint)
     accent = tuple(int(v) for v in rng.integers(0, 200, 3)) if rng.random() < 0.4 else pen
     door = "gap" if hand and rng.random() < 0.6 else choose("door")
-    return PlanStyle(
+    style = PlanStyle(
         wall=wall,
         door=door,
         outer_door=door if rng.random() < 0.6 else choose("door"),
@@ -159,6 +160,9 @@ def draw_style(rng: np.random.Generator, *, held_out: bool = False) -> PlanStyle
         opened=0.0 if held_out else float(rng.choice(OPENED)),
         hand=hand,
     )
+    if wall == "mixed" and rng.random() < 0.4:  # the sparest drawings: no leaf, often no window
+        return replace(style, door="gap", window="none" if rng.random() < 0.5 else style.window)
+    return style
 
 
 def _near_white(rng: np.random.Generator) -> tuple[int, ...]:

@@ -16,7 +16,7 @@ from plan2scene_workshop.plans.settings import PlanSettings
 from plan2scene_workshop.plans.style import draw_style
 
 #: Share of views that are photographed rather than scanned or saved, and of those turned anyhow.
-PHOTOGRAPHED, TURNED = 0.3, 0.06
+PHOTOGRAPHED, TURNED = 0.15, 0.06
 #: Share of drawings with two storeys on a page.
 STOREYS = 0.1
 
