@@ -34,6 +34,8 @@ OWN_WEIGHT = 2e-3
 LEAST_WHITE_DOOR = 5e-3
 #: Paints that differ by less (CIEDE2000) are about one.
 ONE_PAINT = 14.0
+#: From so many rooms on whose walls are of wood these are one panelling, by reasoning.
+PANELLED_ROOMS = 3
 #: No paint reflects more, linear.
 MOST_PAINT = 0.9
 #: L* from which on what is seen beside a window's frame is glass, and the share of the rest that is
@@ -152,6 +154,20 @@ def floor_materials(path: str | Path) -> dict[SurfaceKey, str]:
     return {SurfaceKey(row.room_id, "floor"): row.material for row in floors.itertuples()}
 
 
+def panelling(
+    paint: Mapping[SurfaceKey, np.ndarray], white: Collection[SurfaceKey]
+) -> list[SurfaceKey]:
+    """Return the walls of wood of a panelled house, of linear reflectances (3,); else none.
+
+    Pixels tell little of a panelling: lamps, beds and bunks of the same wood are in the photos. A
+    house has one, so that all of its walls tell of it.
+    """
+    walls = [key for key in sorted(paint) if key.surface == "wall" and key not in white]
+    levels = [linear_to_srgb(np.minimum(paint[key], 1.0)) for key in walls]
+    wood = [key for key, level in zip(walls, levels, strict=True) if is_wood(rgb_to_lab(level))]
+    return wood if len(wood) >= PANELLED_ROOMS else []
+
+
 def write_paint(
     colours: str | Path,
     materials: str | Path,
@@ -163,9 +179,9 @@ def write_paint(
 ) -> None:
     """Estimate the paint of a house of ``colours.parquet``; write ``paint.parquet``.
 
-    Floors that share a material (``materials.parquet``) have one paint; walls and ceilings are
-    told apart by their light, not by the material that they seem to share. `accents` are as of
-    :func:`observations_of`.
+    Floors that share a material (``materials.parquet``) have one paint, as have walls of one
+    :func:`panelling`; other walls and ceilings are told apart by their light, not by the material
+    that they seem to share. `accents` are as of :func:`observations_of`.
 
     A row for each observed surface: ``room_id (of a door the id of its opening, or `UNPLACED`),
     surface, paint (3 floats, linear reflectance), white (bool), photos (names joined by |)``. One
@@ -174,8 +190,12 @@ def write_paint(
     import pandas as pd
 
     observations = observations_of(colours, accents=accents)
-    one, owner = joined(observations, floor_materials(materials))
+    shared = floor_materials(materials)
+    one, owner = joined(observations, shared)
     estimate = estimate_paint(one)
+    if panels := panelling(estimate.paint, estimate.white):
+        one, owner = joined(observations, shared | dict.fromkeys(panels, "panelling"))
+        estimate = estimate_paint(one)
     photos: dict[SurfaceKey, list[str]] = {}
     shares: dict[SurfaceKey, float] = {}
     for item in observations:

@@ -35,6 +35,7 @@ from plan2scene.paint.surfaces import (
     door_paints,
     grey_floor,
     paint_gains,
+    panelling,
     plain_whites,
     read_paint,
     read_seen_photos,
@@ -97,9 +98,10 @@ def paint_textures(
     The folder has the files of the first one, without maps of plain white surfaces, whose tile has
     all that there is, and ``doors.json``: sRGB levels of door leaves by the id of their opening;
     ``trim.json`` of frames and skirting where these are of wood. An accent wall has its room's
-    pattern in its own paint. An unseen white wall has no pattern of another room, unseen floors and
-    walls of `bathrooms` (their ids) are as in another one, unseen surfaces of rooms in the
-    `open_air` are of stone and render. `last_word` may change the folder before it takes its place.
+    pattern in its own paint, walls of one panelling have one pattern. An unseen white wall has no
+    pattern of another room, unseen floors and walls of `bathrooms` (their ids) are as in another
+    one, unseen surfaces of rooms in the `open_air` are of stone and render. `last_word` may change
+    the folder before it takes its place.
     """
     root = Path(textures)
     listed = texture_index(root)
@@ -116,6 +118,11 @@ def paint_textures(
     alike = _other_bathrooms(bathrooms, entries, paints)
     unseen -= alike.keys()
     whites = plain_whites(paints, white_surfaces, unseen)  # by what photos show
+    panels = _one_panelling(entries, paints, white_surfaces, unseen - paints.keys() - whites)
+    for key, other in panels.items():
+        tiles[key], paints[key] = tiles[other], paints[other]
+        source = {"source": f"panelling, like {other.room_id}", "observed": key not in unseen}
+        entries[key] = entries[other] | source
     for key, other in alike.items():
         tiles[key], paints[key] = tiles[other], paints[other]
         source = f"as in the other bathroom, like {other.room_id}"
@@ -156,7 +163,7 @@ def paint_textures(
             bare = plains[key].image if key in plains else repainted(tile, gains[key])
             write_png(folder / f"{key.filename}.png", bare)
             whole = root / f"{key.filename}.jpg"
-            if whole.is_file() and key not in plains.keys() | alike.keys():
+            if whole.is_file() and key not in plains.keys() | alike.keys() | panels.keys():
                 lit = repainted(read_image(whole), gains[key])
                 (folder / whole.name).write_bytes(jpeg_bytes(lit, quality=_QUALITY))
         write_json(folder / "doors.json", doors)
@@ -181,7 +188,7 @@ def paint_textures(
             sized[name] = entry | facts.get(name, {}) | {"evidence": evidence}
         write_json(folder / "textures.json", index | {"surfaces": sized})
         if has_maps:
-            gone = facts.keys() | {"/".join(key) for key in alike}
+            gone = facts.keys() | {"/".join(key) for key in alike.keys() | panels.keys()}
             kept = {name: e for name, e in maps["surfaces"].items() if name not in gone}
             write_json(folder / "maps.json", maps | {"surfaces": kept})
         if last_word is not None:
@@ -208,6 +215,25 @@ def _other_bathrooms(
         and key.surface in first
         and _room_of_source(entries[key], bathrooms) is None
     }
+
+
+def _one_panelling(
+    entries: Mapping[SurfaceKey, Mapping[str, Any]],
+    paints: Mapping[SurfaceKey, np.ndarray],
+    white: Collection[SurfaceKey],
+    unseen: Collection[SurfaceKey],
+) -> dict[SurfaceKey, SurfaceKey]:
+    """Return the wall that each other one of a :func:`panelling` is like: its crops show most.
+
+    `unseen` walls that are not white are of it, too.
+    """
+    panels = [key for key in panelling(paints, white) if key in entries]
+    seen = [key for key in panels if entries[key].get("observed") is not False]
+    if not seen:
+        return {}
+    widest = max(seen, key=lambda key: float(entries[key]["size_m"]))
+    panels += [key for key in sorted(unseen) if key.surface == "wall"]
+    return {key: widest for key in panels if key != widest}
 
 
 @dataclass(frozen=True)

@@ -64,6 +64,36 @@ def test_a_strong_colour_stays_in_its_room_unless_most_rooms_have_it():
     assert plain_whites(one | panelled, frozenset(), unseen) == set()
 
 
+@pytest.mark.parametrize("rooms", ["ab", "abc"])
+def test_walls_of_wood_in_three_rooms_are_one_panelling(tmp_path, rooms):
+    woods = {"a": (0.6, 0.25, 0.08), "b": (0.2, 0.05, 0.02), "c": (0.5, 0.2, 0.05)}
+    planes = [plane("4.jpg", "d", "wall", (0.15, 0.3, 0.6))]
+    for room in rooms:
+        planes.append(plane(f"{room}.jpg", room, "wall", woods[room]))
+        planes.append(plane(f"{room}.jpg", room, "ceiling", (0.7, 0.7, 0.7)))
+    files = tmp_path / "colours.parquet", tmp_path / "materials.parquet", tmp_path / "paint.parquet"
+    write_colours(files[0], planes, dataset="d", house_id="h")
+    write_parquet(files[1], pd.DataFrame({"room_id": [], "surface": [], "material": []}), {})
+    write_paint(*files, dataset="d", house="h")
+    found = [read_paint(files[2])[0][SurfaceKey(room, "wall")].tolist() for room in [*rooms, "d"]]
+    assert len({tuple(paint) for paint in found}) == (2 if rooms == "abc" else 3)
+
+    boards = {f"{room}/wall": np.full((64, 64, 3), (150, 90, 50), np.uint8) for room in "abcde"}
+    boards["b/wall"] = boards["b/wall"].copy()
+    boards["b/wall"][::16] = (75, 45, 25)
+    unseen = {"observed": False, "source": "exemplar of a, 1.0 dE2000 to the predicted colour"}
+    entry = {"b/wall": {"size_m": 2.0}, "e/wall": unseen}
+    paint_textures(textures_of(tmp_path / "t", boards, **entry), files[2], tmp_path / "out")
+    walls = {room: read_image(tmp_path / "out" / f"{room}_wall.png") for room in "abcde"}
+    same = [room for room in "acde" if np.array_equal(walls[room], walls["b"])]
+    assert same == (["a", "c", "e"] if rooms == "abc" else [])
+    index = read_json(tmp_path / "out" / "textures.json")["surfaces"]
+    maps = read_json(tmp_path / "out" / "maps.json")["surfaces"]
+    for room in same:
+        assert index[f"{room}/wall"]["size_m"] == 2.0 and f"{room}/wall" not in maps
+        assert index[f"{room}/wall"]["observed"] is (room != "e")
+
+
 def textures_of(folder, tiles, **entry):
     """Write a textures folder of tiles (sRGB) by `room/surface`, all with maps."""
     folder.mkdir()
