@@ -77,6 +77,9 @@ class PlainSettings:
 
     slow_m: float = 0.1  #: standard deviation, metres, of the filter before a pattern is measured
     smear_m: float = 0.03  #: of the filter that takes light, smears and lens dirt of plain paint
+    #: What stands out more from paint, in median deviations of its grain and relief, is a nail, a
+    #: hook, a crack: nothing that a tile may repeat.
+    relief: float = 4.5
     noise: float = 0.06  #: fainter colours (log red or blue against green) are noise
     brightest: float = 0.95  #: linear
 
@@ -320,6 +323,8 @@ def plain(image: np.ndarray, colour: np.ndarray, px_per_m: float) -> tuple[np.nd
     faint = np.clip(detail[..., 1:], -_PLAIN.noise, _PLAIN.noise)
     detail[..., 1:] -= faint
     detail[..., 0] -= np.median(detail[..., 0])
+    usual = _PLAIN.relief * float(np.median(np.abs(detail[..., 0])))
+    detail[..., 0] = np.clip(detail[..., 0], -usual, usual)
     linear = from_log_axes(log_axes(np.asarray(colour)) + detail)
     painted = as_uint8(linear_to_srgb(np.minimum(linear, _PLAIN.brightest)))
     return painted, pattern

@@ -338,6 +338,18 @@ def test_smears_of_white_paint_go_and_its_relief_stays():
         assert left > 0.018 if kept else left < 0.01
 
 
+def test_a_hook_in_a_wall_is_not_repeated_all_over_it():
+    grain = np.random.default_rng(0).normal(0.0, 0.01, (128, 128, 1)) * np.ones(3)
+    hook = grain.copy()
+    hook[40:44, 50:58] = -0.3
+    for shade, name in ((grain, "grain"), (hook, "hook")):
+        linear = 0.7 * np.exp(shade)
+        image, _ = plain(as_uint8(linear_to_srgb(linear)), np.full(3, 0.8), 128.0)
+        log = np.log(srgb_to_linear(image)[..., 0])
+        assert log.std() == pytest.approx(0.01, rel=0.25), name
+        assert np.abs(log - np.median(log)).max() < 0.06, name
+
+
 def test_an_unseen_balcony_has_no_carpet_and_no_wallpaper(paint, tmp_path):
     lilac = np.full((64, 64, 3), (190, 170, 200), np.uint8)
     lilac[::16] = 90
