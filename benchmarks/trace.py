@@ -99,7 +99,7 @@ def compare(plan: TracedPlan, truth: Truth) -> dict[str, float]:
     """Return the figures of one traced plan."""
 
     def pixels(points: np.ndarray) -> np.ndarray:
-        return plan.frame.to_picture(np.asarray(points, float)) * plan.shrunk
+        return plan.in_file(np.asarray(points, float))
 
     rooms = [Polygon(pixels(np.array(r.polygon.exterior.coords))) for r in plan.rooms]
     overlaps = np.array(
@@ -107,7 +107,7 @@ def compare(plan: TracedPlan, truth: Truth) -> dict[str, float]:
     )
     rows, columns = linear_sum_assignment(-overlaps)
     pairs = [(i, j) for i, j in zip(rows, columns, strict=True) if overlaps[i, j] >= 0.5]
-    metres = plan.metres * plan.frame.zoom / plan.shrunk
+    metres = plan.file_metres
     errors = [abs(rooms[i].area * metres**2 / truth.areas[j] - 1) for i, j in pairs]
     bounds = np.concatenate([np.array(r.exterior.coords) for r in truth.rooms])
     near = NEAR * float(np.ptp(bounds, axis=0).max())

@@ -124,8 +124,8 @@ def paint_textures(
     panels = _one_panelling(entries, paints, white_surfaces, unseen - paints.keys() - whites)
     for key, other in panels.items():
         tiles[key], paints[key] = tiles[other], paints[other]
-        source = {"source": f"panelling, like {other.room_id}", "observed": key not in unseen}
-        entries[key] = entries[other] | source
+        entries[key] = entries[other] | {"observed": key not in unseen}
+        entries[key]["source"] = f"panelling, like {other.room_id}"
     for key, other in alike.items():
         tiles[key], paints[key] = tiles[other], paints[other]
         source = f"as in the other bathroom, like {other.room_id}"

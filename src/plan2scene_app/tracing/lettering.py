@@ -11,7 +11,6 @@ import cv2
 import numpy as np
 from scipy import ndimage
 
-from plan2scene_app.tracing.picture import fills
 from plan2scene_app.tracing.settings import SETTINGS
 
 #: The reader enlarges pictures with a shorter side than this, pixels.
@@ -42,7 +41,6 @@ def reader_installed() -> bool:
 
 def read_lines(image: np.ndarray) -> list[TextLine]:
     """Return the lines of text of a picture (h, w, 3) uint8 sRGB."""
-    top, left, image = _printed(image)
     side = max(image.shape[:2])
     factor = min(max(1.0, SETTINGS.text_px[0] / side), SETTINGS.text_px[1] / side)
     if factor != 1:
@@ -57,24 +55,12 @@ def read_lines(image: np.ndarray) -> list[TextLine]:
     return [
         TextLine(
             line.text,
-            (left + line.middle[0] / factor, top + line.middle[1] / factor),
+            (line.middle[0] / factor, line.middle[1] / factor),
             (line.size[0] / factor, line.size[1] / factor),
             line.score,
         )
         for line in lines
     ]
-
-
-def _printed(image: np.ndarray) -> tuple[int, int, np.ndarray]:
-    """Return the part of a picture with something on it where it is small; its row and column."""
-    grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY).astype(np.float32)
-    ink = np.abs(grey - np.percentile(grey, 90)) > SETTINGS.drawing_ink
-    parts = ndimage.find_objects(ink.astype(int))
-    if not parts or fills(parts[0], ink.shape):
-        return 0, 0, image
-    edge = round(SETTINGS.printed_edge * max(ink.shape))
-    rows, columns = (slice(max(0, p.start - edge), p.stop + edge) for p in parts[0])
-    return rows.start, columns.start, image[rows, columns]
 
 
 def _holds(one: TextLine, other: TextLine) -> bool:

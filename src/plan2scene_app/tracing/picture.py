@@ -19,10 +19,14 @@ from plan2scene_app.tracing.settings import DOOR, OUTSIDE, PASSAGE, ROOM, SETTIN
 
 @dataclass(frozen=True)
 class PlanPicture:
-    """A picture (h, w, 3) uint8 sRGB; a pixel of it is `shrunk` pixels of the file."""
+    """A picture (h, w, 3) uint8 sRGB of a file, without much blank paper around what is drawn.
+
+    A pixel of it is `shrunk` pixels of the file, in which it begins at `corner` (x, y).
+    """
 
     image: np.ndarray
     shrunk: float
+    corner: tuple[float, float] = (0.0, 0.0)
 
 
 def read_plan_picture(path: str | Path) -> PlanPicture:
@@ -31,6 +35,9 @@ def read_plan_picture(path: str | Path) -> PlanPicture:
     if min(height, width) < SETTINGS.least_side_px:
         expected = f"a plan of at least {SETTINGS.least_side_px} pixels a side"
         raise InputError(expected, f"{width}x{height}", file=path)
+    reduced = max(height, width) / max(image.shape[:2])
+    rows, columns = _printed(image)
+    image = image[rows, columns]
     zoom = min(1.0, SETTINGS.long_side_px / max(image.shape[:2]))
     if zoom < 1:
         image = cv2.resize(image, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA)
@@ -38,7 +45,20 @@ def read_plan_picture(path: str | Path) -> PlanPicture:
     low, high = np.percentile(cv2.blur(grey, (3, 3)), [0.2, 99.8])
     if high - low < SETTINGS.contrast:
         raise InputError("a picture of a floorplan", "an empty page", file=path)
-    return PlanPicture(image, max(height, width) / max(image.shape[:2]))
+    corner = columns.start * reduced, rows.start * reduced
+    return PlanPicture(image, reduced / zoom, corner)
+
+
+def _printed(image: np.ndarray) -> tuple[slice, slice]:
+    """Return rows and columns of a picture with something on them; all where that fills it."""
+    grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY).astype(np.float32)
+    ink = np.abs(grey - np.percentile(grey, 90)) > SETTINGS.drawing_ink
+    parts = ndimage.find_objects(ink.astype(int))
+    if not parts or fills(parts[0], ink.shape):
+        return slice(0, image.shape[0]), slice(0, image.shape[1])
+    edge = round(SETTINGS.printed_edge * max(ink.shape))
+    rows, columns = (slice(max(0, p.start - edge), p.stop + edge) for p in parts[0])
+    return rows, columns
 
 
 def dark_on_light(image: np.ndarray) -> np.ndarray:

@@ -106,6 +106,7 @@ class TracedPlan:
     scale: Scale  #: of the frame's pixels
     wall_px: float
     shrunk: float  #: pixels of the file for one of the picture
+    corner: tuple[float, float]  #: where the picture begins in the file, pixels (x, y)
     sure: float  #: mean probability of what was found
     read: bool  #: whether text was read
     storeys: tuple[Storey, ...] = ()  #: the lowest first; none for a plan of one drawing
@@ -121,6 +122,10 @@ class TracedPlan:
     def file_metres(self) -> float:
         """Metres of a pixel of the file."""
         return self.metres * self.frame.zoom / self.shrunk
+
+    def in_file(self, points: np.ndarray) -> np.ndarray:
+        """Return points (n, 2) of the frame in the file's pixels."""
+        return self.frame.to_picture(points) * self.shrunk + self.corner
 
 
 def trace_picture(
@@ -175,6 +180,7 @@ def trace_picture(
         scale,
         regions.wall_px,
         picture.shrunk,
+        picture.corner,
         sure,
         read,
         tuple(storeys),
@@ -438,7 +444,7 @@ def place_in_picture(plan: TracedPlan, file: str) -> dict[str, Any]:
     """Return where the plan's metres lie in the file's pixels (`picture` in the schema)."""
 
     def pixel(point: np.ndarray) -> np.ndarray:
-        return np.asarray(plan.frame.to_picture(point[None])[0] * plan.shrunk)
+        return plan.in_file(point[None])[0]
 
     def rounded(point: np.ndarray) -> list[float]:
         return [round(float(v), 2) for v in point]

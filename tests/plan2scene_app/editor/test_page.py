@@ -107,7 +107,16 @@ def test_a_traced_plan_lies_on_its_picture(tmp_path, monkeypatch):
     )
     scale = Scale(0.0125, 0.9, "as given")
     plan = TracedPlan(
-        picture, frame, (room,), (), scale, wall_px=8.0, shrunk=1.0, sure=0.9, read=True
+        picture,
+        frame,
+        (room,),
+        (),
+        scale,
+        wall_px=8.0,
+        shrunk=1.0,
+        corner=(0.0, 0.0),
+        sure=0.9,
+        read=True,
     )
     monkeypatch.setattr("plan2scene_app.tracing.trace.trace_picture", lambda *_, **__: plan)
     found = opened(tmp_path / "plan.png", "home")

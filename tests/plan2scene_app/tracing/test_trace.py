@@ -61,8 +61,8 @@ def test_a_drawing_becomes_a_plan_by_the_command_the_same_again(picture, texts, 
     place = json.loads(out.read_text())["picture"]
     assert place["file"] == picture.name and abs(place["turned"]) < 1
     pixels = [np.divide(house.rooms[0].rings[0][k], place["metres_per_pixel"]) for k in (0, 1)]
-    corner = plan.frame.to_picture(np.array(plan.rooms[0].polygon.exterior.coords[:2]))
-    assert pixels + np.array(place["origin"]) == pytest.approx(corner * plan.shrunk, abs=3)
+    corner = plan.in_file(np.array(plan.rooms[0].polygon.exterior.coords[:2]))
+    assert pixels + np.array(place["origin"]) == pytest.approx(corner, abs=3)
     joined = [door for door in house.doors if door.room_b is not None]
     assert len(joined) == 1
     assert all(path.is_file() for path in traced_files(out))
@@ -118,14 +118,14 @@ def test_text_of_a_turned_plan_is_read(turns, monkeypatch):
     pytest.importorskip("rapidocr")
     small = replace(lettering.SETTINGS, text_px=(700, 700))  # reads in a third of the time
     monkeypatch.setattr(lettering, "SETTINGS", small)
-    image = np.full((700, 500, 3), 255, np.uint8)
-    for text, y in (("OH", 100), ("Kitchen", 250), ("MH", 400), ("WC", 550)):
-        cv2.putText(image, text, (160, y), cv2.FONT_HERSHEY_SIMPLEX, 1.2, (0, 0, 0), 2)
+    image = np.full((520, 240, 3), 255, np.uint8)
+    for text, y in (("OH", 50), ("Kitchen", 200), ("MH", 350), ("WC", 500)):
+        cv2.putText(image, text, (30, y), cv2.FONT_HERSHEY_SIMPLEX, 1.2, (0, 0, 0), 2)
     found = {line.text: line for line in read_lines(np.ascontiguousarray(np.rot90(image, turns)))}
     assert set(found) == {"OH", "Kitchen", "MH", "WC"} and found["Kitchen"].upright
     x, y = found["OH"].middle
-    assert (y if turns == -1 else 500 - y) == pytest.approx(190, abs=15)
-    assert (700 - x if turns == -1 else x) == pytest.approx(88, abs=15)
+    assert (y if turns == -1 else 240 - y) == pytest.approx(60, abs=15)
+    assert (520 - x if turns == -1 else x) == pytest.approx(38, abs=15)
     if turns == 1:
         assert "OH" in {line.text for line in read_lines(image)}  # upside down it is HO
 
@@ -188,9 +188,22 @@ def test_what_is_no_plan_is_one_line(tmp_path, monkeypatch, image, found):
 
 def test_a_picture_of_12000_x_9000_pixels_is_worked_on_at_a_sixth(tmp_path):
     page = Image.new("1", (12_000, 9_000), 1)
-    ImageDraw.Draw(page).rectangle((1200, 1200, 9600, 7800), outline=0, width=120)
+    ImageDraw.Draw(page).rectangle((1200, 1200, 10_800, 7800), outline=0, width=120)
     page.save(tmp_path / "large.png")
     found = read_plan_picture(tmp_path / "large.png")
     assert found.image.shape == (1500, 2000, 3)
-    assert found.shrunk == 6
+    assert (found.shrunk, found.corner) == (6, (0, 0))
     assert found.image[500, 205].max() < 60 < 200 < found.image[500, 500].min()
+
+
+def test_blank_paper_is_cut_before_a_picture_is_made_smaller(tmp_path):
+    page = Image.new("L", (6_000, 4_000), 255)
+    ImageDraw.Draw(page).rectangle((3000, 1000, 4999, 1999), outline=0, width=30)
+    page.save(tmp_path / "small.png")
+    found = read_plan_picture(tmp_path / "small.png")
+    assert found.corner == (3000 - 120, 1000 - 120)  # a fiftieth of the longer side is left
+    assert found.shrunk == pytest.approx(2240 / 2000)
+    rows, columns = np.nonzero(found.image.max(2) < 60)
+    for axis, places in enumerate((columns, rows)):
+        ends = np.array([places.min(), places.max() + 1]) * found.shrunk + found.corner[axis]
+        assert ends == pytest.approx([(3000, 5000), (1000, 2000)][axis], abs=3)
