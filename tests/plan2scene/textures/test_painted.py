@@ -182,6 +182,18 @@ def test_blinds_and_pictures_on_a_white_wall_are_no_pattern_of_it(paint, tmp_pat
     assert painted[::16].mean() < painted.mean() - 10  # fainter joints stay
 
 
+@pytest.mark.parametrize("folds", [True, False])
+def test_the_folds_of_a_curtain_are_no_pattern_of_a_white_wall(paint, tmp_path, folds):
+    wave = np.sin(2 * np.pi * np.arange(64) / 16)
+    x, y = wave[None, :, None], wave[:, None, None]
+    striped = 150 * np.exp(0.05 * (x if folds else (x + y) / 2**0.5)) * np.ones((64, 64, 3))
+    folder = textures_of(tmp_path / "t", {"a/wall": striped.astype(np.uint8)})
+    paint_textures(folder, paint, tmp_path / "out")
+    found = read_image(tmp_path / "out" / "a_wall.png")
+    assert bool(found.std() < 2) is folds
+    assert (tmp_path / "out" / "a_wall.jpg").is_file() is not folds
+
+
 def test_what_nothing_in_the_house_tells_of_is_plain(paint, tmp_path):
     """Neither boards of a panelled room in white, nor a pink floor that was predicted."""
     boards = np.full((64, 64, 3), 170, np.uint8)
