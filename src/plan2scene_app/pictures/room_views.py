@@ -13,7 +13,7 @@ from shapely.geometry.base import BaseGeometry
 from plan2scene.camera import Camera, focal_of
 from plan2scene.house import House, Room
 from plan2scene.mesh.rays import Rays
-from plan2scene.plans.geometry import room_polygon
+from plan2scene.plans.geometry import point_along, room_polygon
 from plan2scene_app.drawing import INK, PAPER, font_for, room_labels
 from plan2scene_app.pictures.lit_picture import Painter, directions
 from plan2scene_app.pictures.renderer import look_at
@@ -25,6 +25,7 @@ class RoomViewSettings:
 
     size: tuple[int, int] = (280, 420)  #: height and width of a picture, pixels
     columns: int = 3  #: pictures in a row of the sheet
+    step_px: int = 16  #: between the pixels that tell what a picture shows
     eye_m: float = 1.5  #: of the camera, above the floor
     fov_deg: float = 88.0  #: horizontal field of view, as of wide-angle photos of rooms
     clear_m: float = 0.35  #: distance kept from walls
@@ -39,6 +40,8 @@ class RoomViewSettings:
     near_thing_m: float = 1.3  #: where it is nearer than this:
     most_near: float = 0.08  #: it may fill this share of a picture
     least_facing: float = 0.1  #: cosine: what is seen at a flatter angle counts as at this one
+    windows: float = 0.6  #: what all windows count, beside all of the floor and of the walls
+    panes: tuple[float, ...] = (0.25, 0.75)  #: where along a window it is looked for
 
 
 SETTINGS = RoomViewSettings()
@@ -64,7 +67,7 @@ def render_rooms(house: House, rays: Rays | None, painter: Painter) -> np.ndarra
 
 
 def camera_in(house: House, room_id: str, rays: Rays | None) -> Camera:
-    """Return a camera at eye level in a room that shows the largest shares of its floor and walls.
+    """Return a camera at eye level in a room that shows most of its floor, walls and windows.
 
     It stands at the end of one of the longest lines across the room, in a small room in a door,
     and nothing at arm's length fills the picture. Without `rays` the longest line.
@@ -79,10 +82,12 @@ def camera_in(house: House, room_id: str, rays: Rays | None) -> Camera:
     cameras = [_camera(*line, height, down) for down in downs for line in lines]
     if rays is None:
         return cameras[0]
+    panes = _panes(house, room_id)
 
     def worth(camera: Camera) -> float:
         (floor, walls), near = _seen_area(camera, room_id, rays)
         shown = floor / polygon.area + walls / (polygon.length * room.height)
+        shown += SETTINGS.windows * _seen_share(camera, panes, rays)
         return shown if near < SETTINGS.most_near else 1e-3 * shown * (1.0 - near)
 
     return max(cameras, key=worth)
@@ -98,7 +103,7 @@ def _camera(eye: np.ndarray, target: np.ndarray, height: float, look_down: float
 
 def _seen_area(camera: Camera, room_id: str, rays: Rays) -> tuple[tuple[float, float], float]:
     """Return how much of a room's floor and walls a picture shows, m2, and its near share."""
-    ways = directions(camera, 16).reshape(-1, 3)
+    ways = directions(camera, SETTINGS.step_px).reshape(-1, 3)
     eyes = np.tile(camera.position, (len(ways), 1))
     triangles = rays.hits(eyes, ways)
     hit = np.flatnonzero(triangles >= 0)
@@ -111,11 +116,37 @@ def _seen_area(camera: Camera, room_id: str, rays: Rays) -> tuple[tuple[float, f
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     facing = np.abs(np.einsum("ij,ij->i", normals, ways[hit]))
     # A pixel's solid angle shrinks with the third power of its cosine to the axis.
-    angle = (ways[hit] @ camera.matrix[2]) ** 3
+    angle = (ways[hit] @ camera.matrix[2]) ** 3 * (SETTINGS.step_px / camera.focal_px) ** 2
     area = metres**2 * angle / np.maximum(facing, SETTINGS.least_facing)
     near = metres < np.where(thing, SETTINGS.near_thing_m, SETTINGS.near_m)
     floor, walls = (float(area[kinds == kind].sum()) for kind in ("floor", "wall"))
     return (floor, walls), float(near.sum() / len(ways))
+
+
+def _panes(house: House, room_id: str) -> np.ndarray:
+    """Return points (n, 3) on the panes of a room's windows."""
+    floor = house.level_of(room_id).elevation
+    points = []
+    for wall in house.walls:
+        for opening in wall.openings if room_id in wall.room_ids else ():
+            if opening.kind == "window":
+                y = floor + 0.4 * opening.bottom + 0.6 * opening.top
+                ways = (opening.start + s * (opening.end - opening.start) for s in SETTINGS.panes)
+                points += [(x, y, z) for x, z in (point_along(wall, way) for way in ways)]
+    return np.array(points).reshape(-1, 3)
+
+
+def _seen_share(camera: Camera, points: np.ndarray, rays: Rays) -> float:
+    """Return the share of points (n, 3) that a picture shows; 0 of none."""
+    if not len(points):
+        return 0.0
+    ways = points - camera.position
+    far = np.linalg.norm(ways, axis=1)
+    eyes = np.tile(camera.position, (len(points), 1))
+    free = rays.distances(eyes, ways / far[:, None]) > far - SETTINGS.clear_m
+    pixels = camera.project(points)  # NaN behind the camera
+    within = (pixels > 0).all(axis=1) & (pixels < [camera.width, camera.height]).all(axis=1)
+    return float((within & free).mean())
 
 
 def _doorways(house: House, room: Room) -> list[tuple[np.ndarray, np.ndarray]]:

@@ -141,6 +141,20 @@ def test_the_smaller_a_room_the_more_one_looks_at_its_floor(size, down):
     assert -camera.matrix[2][1] == pytest.approx(down, abs=0.02)
 
 
+@pytest.mark.parametrize("wall", range(4))
+def test_the_picture_of_a_room_shows_its_window(wall):
+    outline = ((0.0, 0.0), (4.0, 0.0), (4.0, 3.5), (0.0, 3.5))
+    room = Room("bed", ("Bedroom",), (outline,), 2.5)
+    openings = {wall: [Opening("pane", "window", 1.0, 2.2, 0.9, 2.1)]}
+    house = House("h", (room,), walls_of(room, openings=openings), ())
+    camera = camera_in(house, "bed", Rays.of(assemble(house).parts))
+    (holed,) = (w for w in house.walls if w.openings)
+    x, z = np.add(holed.start, 1.6 / holed.length * np.subtract(holed.end, holed.start))
+    right, down, ahead = camera.matrix @ (np.array([x, 1.5, z]) - camera.position)
+    assert ahead > 0 and abs(right) * camera.focal_px < camera.cx * ahead
+    assert abs(down) * camera.focal_px < camera.cy * ahead
+
+
 def drawn(house, textures, parts):
     return render_rooms(house, Rays.of(parts), painter_of(house, textures, parts))
 
