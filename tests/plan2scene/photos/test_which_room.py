@@ -65,6 +65,17 @@ def test_what_a_room_is_used_for_and_its_name_tell_it():
     )
 
 
+def test_of_rooms_of_a_type_the_larger_one_is_photographed_more():
+    small = home()
+    ring = ((4.0, 0.0), (8.0, 0.0), (8.0, 9.0), (4.0, 9.0))
+    rooms = [replace(r, rings=(ring,)) if r.id == "bed_2" else r for r in small.rooms]
+    large = replace(small, rooms=tuple(rooms))
+    photos = {name: PhotoEvidence(kinds=looks_like("Bedroom")) for name in "abc"}
+    same, more = (room_probabilities(house, photos, ())["a"] for house in (small, large))
+    assert same["bed_1"] == pytest.approx(same["bed_2"], abs=0.05)
+    assert more["bed_2"] > 1.2 * more["bed_1"]
+
+
 @pytest.mark.parametrize(
     ("name", "fits"),
     [

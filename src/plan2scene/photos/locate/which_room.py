@@ -16,6 +16,7 @@ import numpy as np
 
 from plan2scene.house import House, Room
 from plan2scene.photos.labels.palette import KINDS
+from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.room_names import room_types
 from plan2scene.seeds import generator
 
@@ -60,7 +61,9 @@ class WhichRoomSettings:
     #: of one room have something in common.
     untied: float = 0.3
     most_untied: int = 4
-    #: How often rooms are photographed, by type; others as a closet.
+    #: How often rooms are photographed, by type; others as a closet. A larger room than the usual
+    #: one of its types is, by this power of how many times it is as large.
+    larger: float = 0.5
     photographed: dict[str, float] = field(
         default_factory=lambda: {
             "Reception": 3.0,
@@ -311,9 +314,12 @@ def _looks(room: Room) -> np.ndarray:
 def _frequency(house: House) -> tuple[np.ndarray, np.ndarray]:
     """Return how often each room is photographed, and what a first photo of it adds."""
     often, first = [], []
+    areas = {room.id: max(room_polygon(room).area, 0.1) for room in house.rooms}
     for room in house.rooms:
         usual = (WHICH.photographed.get(t, WHICH.rarely) for t in room.types)
-        often.append(max(usual, default=WHICH.photographed["Unknown"]))
+        alike = [areas[r.id] for r in house.rooms if set(r.types) & set(room.types)]
+        larger = areas[room.id] / float(np.exp(np.mean(np.log(alike or [areas[room.id]]))))
+        often.append(max(usual, default=WHICH.photographed["Unknown"]) * larger**WHICH.larger)
         first.append(WHICH.first if set(room.types) & set(WHICH.main) else 0.0)
     return np.array([*often, 1.0]), np.array([*first, 0.0])
 
