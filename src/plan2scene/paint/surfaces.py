@@ -159,8 +159,8 @@ def panelling(
 ) -> list[SurfaceKey]:
     """Return the walls of wood of a panelled house, of linear reflectances (3,); else none.
 
-    Pixels tell little of a panelling: lamps, beds and bunks of the same wood are in the photos. A
-    house has one, so that all of its walls tell of it.
+    Pixels of one room tell little of it: lamps, beds and bunks of the same wood are in the photos.
+    A house has one panelling, so that the median of its walls tells its paint.
     """
     walls = [key for key in sorted(paint) if key.surface == "wall" and key not in white]
     levels = [linear_to_srgb(np.minimum(paint[key], 1.0)) for key in walls]
@@ -190,12 +190,12 @@ def write_paint(
     import pandas as pd
 
     observations = observations_of(colours, accents=accents)
-    shared = floor_materials(materials)
-    one, owner = joined(observations, shared)
+    one, owner = joined(observations, floor_materials(materials))
     estimate = estimate_paint(one)
-    if panels := panelling(estimate.paint, estimate.white):
-        one, owner = joined(observations, shared | dict.fromkeys(panels, "panelling"))
-        estimate = estimate_paint(one)
+    paint = dict(estimate.paint)
+    if panels := panelling(paint, estimate.white):
+        usual = np.exp(np.median([np.log(paint[key]) for key in panels], axis=0))
+        paint |= dict.fromkeys(panels, usual)
     photos: dict[SurfaceKey, list[str]] = {}
     shares: dict[SurfaceKey, float] = {}
     for item in observations:
@@ -205,7 +205,7 @@ def write_paint(
         {
             "room_id": key.room_id,
             "surface": surface,
-            "paint": np.minimum(estimate.paint[same], MOST_PAINT).tolist(),
+            "paint": np.minimum(paint[same], MOST_PAINT).tolist(),
             "white": same in estimate.white,
             "photos": "|".join(photos[key]),
         }
