@@ -55,8 +55,8 @@ FAINT = 0.028
 LOUD = 0.12
 #: Patterns of white walls of which more than the first share of the variance is the same from top
 #: to bottom, and less than the second from side to side, are folds of curtains, corners and edges
-#: of light: .5 to .8 and 0 to .12 in three real homes (development); of tiles both are above .26.
-UPRIGHT = (0.45, 0.15)
+#: of light: .38 to .8 and 0 to .12 in three real homes (development); of tiles both are above .26.
+UPRIGHT = (0.3, 0.15)
 PATTERNED = ("tile", "wood")  #: Substances whose patterns are no stains
 _BLACK = 1e-3  #: Least linear value of a texture's median
 #: Factors of the channels that differ by more make another colour (light does 2.5 at most): noise
