@@ -75,6 +75,12 @@ _SURFACES = {"propertyNames": {"pattern": "/"}}
 FORMS: dict[str, dict[str, Any]] = {
     "cameras": _object(_CAMERA),
     "kinds": _record({"source": _TEXT, "photos": _object(_list(_SHARE, 6))}),
+    "likeness": _list(
+        {
+            **_list({}, 3),
+            "prefixItems": [_TEXT, _TEXT, {"type": "number", "minimum": -1, "maximum": 1}],
+        }
+    ),
     "spots": _list({**_list({}, 3), "prefixItems": [_TEXT, _TEXT, {"enum": [0, 1, 2, 3]}]}),
     "warnings": _list(_TEXT),
     "photo_rooms": _object(_list(_ROOM)),

@@ -29,6 +29,7 @@ from plan2scene.photos.labels.palette import (
     CEILING,
     FLOOR,
     KINDS_FILE,
+    LIKENESS_FILE,
     OTHER,
     PROBABILITIES,
     SPOTS_FILE,
@@ -39,7 +40,15 @@ from plan2scene.photos.labels.palette import (
     write_probability_png,
 )
 from plan2scene.photos.labels.watermark import reduced, watermarks
-from plan2scene.photos.matches import Points, find_points, matched_rays, same_spot, same_things
+from plan2scene.photos.matches import (
+    Points,
+    colours_of,
+    find_points,
+    likeness,
+    matched_rays,
+    same_spot,
+    same_things,
+)
 from plan2scene.photos.photo_files import read_photo
 
 _log = logging.getLogger("plan2scene")
@@ -66,7 +75,7 @@ def make_masks(
     `out_dir` is replaced as a whole: ``{stem}.png`` labels at the size that `read_photo` gives,
     ``probabilities/{stem}.png`` where the source tells them, ``cameras.json``,
     ``segments.parquet``, ``kinds.json``, ``turns.json``, ``spots.json``,
-    ``warnings.json`` (``docs/conventions.md``).
+    ``likeness.json``, ``warnings.json`` (``docs/conventions.md``).
 
     `fov_deg` is the horizontal field of view in degrees where neither EXIF data nor vanishing
     points give one, nor those of the other photos; `known_fov_deg` that of all photos along their
@@ -104,6 +113,8 @@ def make_masks(
         matches = list(matched_rays(points, cameras))
         for file, turned in ((TURNS_FILE, same_things(matches)), (SPOTS_FILE, same_spot(matches))):
             write_json(folder / file, [[*pair, quarters] for pair, quarters in turned.items()])
+        alike = likeness({name: shot.looks for name, shot in shots.items() if shot.looks})
+        write_json(folder / LIKENESS_FILE, [[*pair, round(v, 4)] for pair, v in alike.items()])
         write_segments(folder / SEGMENTS, {name: shot.segments for name, shot in shots.items()})
         write_json(folder / "warnings.json", warnings)
     return warnings
@@ -119,6 +130,7 @@ class _Shot:
     kinds: list[float]  #: how probable each of `palette.KINDS` is; none where nothing tells it
     points: Points  #: that tell with which other photos it shares its spot or what it sees
     grey: np.ndarray  #: of `watermark.reduced`
+    looks: list[np.ndarray]  #: vectors that tell which photos are of one room; none where not asked
 
 
 def _leave_out_marks(shots: Mapping[str, _Shot], folder: Path) -> None:
@@ -187,7 +199,9 @@ def _label_photo(
     if kinds and not any(kinds) and np.isin(plain, (FLOOR, CEILING)).mean() > _OF_A_ROOM:
         kinds = []  # a conservatory, not a garden
     told = [round(p, 4) for p in kinds]
-    return _Shot(camera, segments, exif, told, find_points(image), reduced(image)), lines
+    looks = [colours_of(image)] if find_rooms else []
+    looks += [labeller.look(image)] if find_rooms and labeller.look else []
+    return _Shot(camera, segments, exif, told, find_points(image), reduced(image), looks), lines
 
 
 def _focal_warnings(camera: Camera, exif: ExifFocal) -> list[str]:

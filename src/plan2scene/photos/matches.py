@@ -169,6 +169,33 @@ def matched_rays(
             yield SeenByBoth((one, other), rays[one][here], rays[other][there])
 
 
+def colours_of(image: np.ndarray) -> np.ndarray:
+    """Return the roots of the shares of a photo's colours, (256,), of (h, w, 3) uint8 sRGB."""
+    zoom = min(1.0, MATCHES.side_px / max(image.shape[:2]))
+    small = cv2.resize(image, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA)
+    lab = cv2.cvtColor(small, cv2.COLOR_RGB2LAB)
+    lab[..., 1:] = np.clip(lab[..., 1:], 96, 159)  # few things in rooms are of stronger colours
+    counts = cv2.calcHist([lab], [0, 1, 2], None, [4, 8, 8], [0, 256, 96, 160, 96, 160])
+    return np.asarray(np.sqrt(counts.ravel() / lab[..., 0].size))
+
+
+def likeness(photos: Mapping[str, Sequence[np.ndarray]]) -> dict[tuple[str, str], float]:
+    """Return how alike photos of a home look, pair by pair, -1 to 1, the lesser name first.
+
+    Each photo has the same vectors, of whatever size; of each counts in what it differs from the
+    home's mean. The likeness is the mean over the vectors of the cosine between two photos.
+    """
+    names = sorted(photos)
+    alike = np.zeros((len(names), len(names)))
+    for vectors in zip(*(photos[name] for name in names), strict=True):
+        own = np.stack(vectors).astype(np.float64)
+        own -= own.mean(axis=0)
+        own /= np.linalg.norm(own, axis=1, keepdims=True) + 1e-9
+        alike += own @ own.T / len(photos[names[0]])
+    pairs = itertools.combinations(range(len(names)), 2)
+    return {(names[a], names[b]): float(alike[a, b]) for a, b in pairs}
+
+
 def _quarter_turns(rays: np.ndarray) -> list[np.ndarray]:
     """Return rays (n, 3) with azimuths ``atan2(x, z)`` larger by 0 to 3 quarter turns."""
     x, y, z = rays.T

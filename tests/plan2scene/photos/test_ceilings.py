@@ -64,6 +64,7 @@ def test_a_plan_that_tells_its_heights_keeps_them(tmp_path):
         ("kinds.json", {"source": "embedded", "photos": {}}),
         ("spots.json", []),
         ("turns.json", []),
+        ("likeness.json", []),
     ):
         write_json(tmp_path / file, content)
     table = {name: ["room"] for name in entries}

@@ -102,6 +102,7 @@ def test_the_stage_writes_every_camera(tmp_path):
     write_json(masks / "kinds.json", {"source": "embedded", "photos": {}})
     write_json(masks / "spots.json", [])
     write_json(masks / "turns.json", [])
+    write_json(masks / "likeness.json", [])
     output = tmp_path / "cameras.json"
     locate_photos(house, {"a.jpg": ["room"]}, masks, output)
     assert list(read_json(output)) == ["a.jpg", "b.jpg"]
@@ -127,6 +128,7 @@ def test_the_room_of_a_photo_is_found_or_asked_for(tmp_path, caplog):
     write_json(masks / "kinds.json", {"source": "embedded", "photos": {}})
     write_json(masks / "spots.json", [])
     write_json(masks / "turns.json", [])
+    write_json(masks / "likeness.json", [])
     output = tmp_path / "cameras.json"
     rooms, placed = tmp_path / "photo_rooms.json", tmp_path / "photos.csv"
     table = {"a.jpg": [], "b.jpg": [], "damaged.jpg": []}

@@ -105,11 +105,12 @@ def test_what_only_tells_rooms_is_made_where_one_is_sought(tmp_path: Path) -> No
     made = []
     for find_rooms in ("embedded", None):
         make_masks(photos, label, tmp_path / "out", house_id="h", find_rooms=find_rooms)
-        files = ("cameras.json", "kinds.json")
+        files = ("cameras.json", "kinds.json", "likeness.json")
         made.append([read_json(tmp_path / "out" / file) for file in files])
     sought, told = made
-    assert told == [sought[0], {"source": "", "photos": {}}]
+    assert told == [sought[0], {"source": "", "photos": {}}, []]
     assert sought[1]["source"] == "embedded"
+    assert [pair[:2] for pair in sought[2]] == [["a.png", "b.png"]]
 
 
 @pytest.mark.parametrize(

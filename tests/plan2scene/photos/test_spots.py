@@ -8,7 +8,15 @@ from views import camera_looking
 from plan2scene.photos.camera.calibration import canonical
 from plan2scene.photos.locate.locate_photos import Shot, locate_shots
 from plan2scene.photos.locate.spots import spots_of
-from plan2scene.photos.matches import Points, find_points, matched_rays, same_spot, same_things
+from plan2scene.photos.matches import (
+    Points,
+    colours_of,
+    find_points,
+    likeness,
+    matched_rays,
+    same_spot,
+    same_things,
+)
 
 #: Headings of photos, degrees, and how their frames turn into each other.
 HEADINGS = {"a": 10.0, "b": 62.0, "c": 118.0}
@@ -143,3 +151,18 @@ def test_a_photo_that_tells_nothing_is_located_by_another_of_its_spot():
     for name, true in cameras.items():
         np.testing.assert_allclose(together[name].camera.matrix, true.matrix, atol=1e-6)
         np.testing.assert_allclose(together[name].eye, eye, atol=0.1)
+
+
+def test_photos_of_the_same_colours_look_alike_whatever_the_home_has_in_common():
+    rng = np.random.default_rng(0)
+    photos = {}
+    for name, colour in {"a": (200, 40, 40), "b": (200, 40, 40), "c": (40, 40, 200)}.items():
+        photo = np.full((60, 80, 3), 235, np.uint8)  # white walls in all
+        photo[: int(rng.integers(20, 30))] = colour
+        photos[name] = [colours_of(photo)]
+    found = likeness(photos)
+    assert list(found) == [("a", "b"), ("a", "c"), ("b", "c")]
+    assert found["a", "b"] > 0.8 and max(found["a", "c"], found["b", "c"]) < -0.8
+    two = likeness({name: looks * 2 for name, looks in photos.items()})
+    assert two == pytest.approx(found)
+    assert likeness({}) == likeness({"a": photos["a"]}) == {}

@@ -43,6 +43,13 @@ def test_a_photo_is_taken_outside_where_much_of_it_is() -> None:
     assert told.outside(photo)
 
 
+def test_a_photo_looks_like_the_mean_of_its_cells() -> None:
+    photo = np.full((320, 448, 3), 127, np.uint8)
+    photo[:, 224:] = (255, 127, 127)
+    look = things.ThingKinds(_Colours()).look(photo)
+    np.testing.assert_allclose(look, [0.5, 0, 0], atol=0.01)
+
+
 def test_a_thing_shows_in_a_part_of_a_photo_and_not_in_a_dot() -> None:
     grey = np.full((480, 640, 3), 100, np.uint8)
     teller = things.ThingKinds(_Colours())

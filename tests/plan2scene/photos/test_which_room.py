@@ -38,8 +38,8 @@ def looks_like(kind, sure=0.9):
     return kinds
 
 
-def rooms_of(photos, tied=()):
-    return room_probabilities(home(), photos, tied)
+def rooms_of(photos, tied=(), alike=None):
+    return room_probabilities(home(), photos, tied, alike or {})
 
 
 def test_what_a_room_is_used_for_and_its_name_tell_it():
@@ -65,13 +65,22 @@ def test_what_a_room_is_used_for_and_its_name_tell_it():
     )
 
 
+def test_photos_that_look_alike_are_of_one_room():
+    photos = {name: PhotoEvidence(kinds=looks_like("Bedroom")) for name in "bcd"}
+    photos["a"] = PhotoEvidence(told=("bed_1",))
+    pairs = itertools.combinations("abcd", 2)
+    alike = {pair: 0.9 if pair in (("a", "b"), ("c", "d")) else -0.5 for pair in pairs}
+    for found, wins in ((rooms_of(photos, (), alike), True), (rooms_of(photos), False)):
+        assert (found["b"]["bed_1"] > 0.6 > 0.4 > found["c"]["bed_1"]) is wins
+
+
 def test_of_rooms_of_a_type_the_larger_one_is_photographed_more():
     small = home()
     ring = ((4.0, 0.0), (8.0, 0.0), (8.0, 9.0), (4.0, 9.0))
     rooms = [replace(r, rings=(ring,)) if r.id == "bed_2" else r for r in small.rooms]
     large = replace(small, rooms=tuple(rooms))
     photos = {name: PhotoEvidence(kinds=looks_like("Bedroom")) for name in "abc"}
-    same, more = (room_probabilities(house, photos, ())["a"] for house in (small, large))
+    same, more = (room_probabilities(house, photos, (), {})["a"] for house in (small, large))
     assert same["bed_1"] == pytest.approx(same["bed_2"], abs=0.05)
     assert more["bed_2"] > 1.2 * more["bed_1"]
 

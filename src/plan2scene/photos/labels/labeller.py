@@ -49,6 +49,8 @@ class Labeller:
     #: Given pixels, how probable each of `palette.KINDS` is, (k,), all 0 where they look taken from
     #: outside; None where nothing tells it.
     kinds: Callable[[np.ndarray], np.ndarray] | None = None
+    #: Given pixels, what photos of one room have in common, (f,) float32; None where nothing tells.
+    look: Callable[[np.ndarray], np.ndarray] | None = None
 
     def labelled(
         self,
@@ -114,13 +116,11 @@ def labeller(
         found = Labeller(lambda _photo, image, _camera: Labelled(ade20k.labels(image)))
     else:
         found = _embedded(str(model), imagenet if source == "imagenet" else None, kinds, openings)
-    return replace(found, kinds=_by_things(found.kinds)) if things else found
+    return _by_things(found) if things else found
 
 
-def _by_things(
-    kinds: Callable[[np.ndarray], np.ndarray] | None,
-) -> Callable[[np.ndarray], np.ndarray]:
-    """Return what tells kinds by the things in a photo and, as another witness, by `kinds`."""
+def _by_things(other: Labeller) -> Labeller:
+    """Return a labeller whose kinds the things in a photo tell and, as another witness, `other`."""
     from plan2scene.photos.labels.imagenet import load_imagenet
     from plan2scene.photos.labels.things import ThingKinds
 
@@ -129,10 +129,10 @@ def _by_things(
     def joined(image: np.ndarray) -> np.ndarray:
         if things.outside(image):
             return np.zeros(len(KINDS))
-        odds = things.probabilities(image) * (1.0 if kinds is None else kinds(image))
+        odds = things.probabilities(image) * (1.0 if other.kinds is None else other.kinds(image))
         return np.asarray(odds / odds.sum())
 
-    return joined
+    return replace(other, kinds=joined, look=things.look)
 
 
 def _embedded(

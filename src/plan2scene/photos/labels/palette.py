@@ -29,6 +29,7 @@ IGNORE = 255
 #: What a photographed room may be used for; files of a masks folder with how probable that is for
 #: each photo, with the photos that see the same things, and with those from one spot.
 KINDS_FILE, TURNS_FILE, SPOTS_FILE = "kinds.json", "turns.json", "spots.json"
+LIKENESS_FILE = "likeness.json"
 KINDS = ("Reception", "Bedroom", "Kitchen", "Bathroom", "Corridor", "Closet")
 PROBABILITIES = "probabilities"  #: Folder of a masks folder with how likely each label is
 #: sRGB colour of each label in the palette PNG and in overlays.

@@ -5,16 +5,21 @@ Nothing is trained here: a table says in what rooms each thing is.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from plan2scene.photos.labels.palette import KINDS
 
+if TYPE_CHECKING:
+    import torch
+
 #: Longer sides in pixels that a photo is seen at, and the side of its windows, cells of 32 pixels:
 #: the 224 pixels that the network was trained on.
 SIDES = (320, 512, 768)
 WINDOW = 7
+#: Longer side in pixels at which photos are compared with each other.
+LOOK_SIDE = 448
 #: Share of the windows in which less of a thing shows than counts: one window may be mistaken.
 SHARE = 0.95
 #: What shows less surely than this says nothing: the network is never sure that a thing is absent.
@@ -99,11 +104,14 @@ class ThingKinds:
             every.append(np.quantile(things, SHARE, axis=1))
         return np.asarray(np.mean(every, axis=0))
 
-    def _classes(self, image: np.ndarray, side: int) -> np.ndarray:
-        """Return the probabilities (w, 1000) of ImageNet's classes in each window of a photo."""
+    def look(self, image: np.ndarray) -> np.ndarray:
+        """Return the mean features (1280,) float32 of a (h, w, 3) uint8 sRGB photo."""
+        return np.asarray(self._cells(image, LOOK_SIDE).mean(dim=(2, 3))[0])
+
+    def _cells(self, image: np.ndarray, side: int) -> torch.Tensor:
+        """Return the network's last features (1, 1280, h', w') of a photo."""
         import cv2
         import torch
-        from torch.nn import functional
 
         from plan2scene.photos.labels.segmentation import network_size
 
@@ -111,7 +119,16 @@ class ThingKinds:
         small = cv2.resize(image, size[::-1], interpolation=cv2.INTER_AREA)
         photo = torch.from_numpy((small.astype(np.float32) - 127.0) / 128.0)
         with torch.inference_mode():
-            cells = self._network.extract_features(photo.permute(2, 0, 1)[None])
+            found: torch.Tensor = self._network.extract_features(photo.permute(2, 0, 1)[None])
+        return found
+
+    def _classes(self, image: np.ndarray, side: int) -> np.ndarray:
+        """Return the probabilities (w, 1000) of ImageNet's classes in each window of a photo."""
+        import torch
+        from torch.nn import functional
+
+        cells = self._cells(image, side)
+        with torch.inference_mode():
             window = [min(WINDOW, cells.shape[2]), min(WINDOW, cells.shape[3])]
             cells = functional.avg_pool2d(cells, window, 1)[0].flatten(1).T
             return np.asarray(torch.softmax(self._network._fc(cells), dim=1))

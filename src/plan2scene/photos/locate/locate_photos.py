@@ -22,6 +22,7 @@ from plan2scene.parallel import each
 from plan2scene.photos.labels.palette import (
     DOOR,
     KINDS_FILE,
+    LIKENESS_FILE,
     PROBABILITIES,
     SPOTS_FILE,
     TURNS_FILE,
@@ -74,6 +75,8 @@ class Shots:
     #: Photos that see the same things, and those of one spot (`spots.Turned`).
     turns: dict[tuple[str, str], int]
     spots: dict[tuple[str, str], int]
+    #: How alike photos look (`matches.likeness`).
+    alike: dict[tuple[str, str], float]
     #: Of all photos of the folder.
     cameras: dict[str, Camera]
 
@@ -93,12 +96,14 @@ def locate_shots(
     shots: Mapping[str, Shot],
     same_spot: Turned | None = None,
     same_things: Turned | None = None,
+    alike: Mapping[tuple[str, str], float] | None = None,
     threads: int = 1,
 ) -> Located:
     """Return the rooms of photos and their poses in them.
 
     Photos of the `same_spot` are located together, those of the `same_things` have headings that
-    go together. `threads` spots are searched at a time; the result does not depend on it.
+    go together; photos that look `alike` (`matches.likeness`) are sooner of one room. `threads`
+    spots are searched at a time; the result does not depend on it.
     """
     shapes = room_shapes(house)
     openings = labelled_openings(shots.values())
@@ -124,7 +129,7 @@ def locate_shots(
         for name in spot.quarters
     }
     tied = {**(same_spot or {}), **(same_things or {})}
-    rooms = _rooms(house, shots, scores, tied)
+    rooms = _rooms(house, shots, scores, tied, alike or {})
     likely = {name: likely_room(house, every) for name, every in rooms.items()}
     told = {room for name in framed if name not in likely for room in shots[name].rooms}
     used = used_photos(likely, told)
@@ -163,6 +168,7 @@ def _rooms(
     shots: Mapping[str, Shot],
     scores: Mapping[str, Mapping[str, float]],
     tied: Turned,
+    alike: Mapping[tuple[str, str], float],
 ) -> dict[str, dict[str, float]]:
     """Return how probable each room is for the photos whose room is not told."""
     evidence = {
@@ -173,7 +179,7 @@ def _rooms(
     }
     if all(item.told for item in evidence.values()):
         return {}
-    every = room_probabilities(house, evidence, tied)
+    every = room_probabilities(house, evidence, tied, alike)
     return {name: rooms for name, rooms in every.items() if not evidence[name].told}
 
 
@@ -260,7 +266,7 @@ def locate_photos(
     not depend on it.
     """
     read = read_shots(house, rooms_of_photo, masks_dir, name_hints=name_hints)
-    located = locate_shots(house, read.shots, read.spots, read.turns, threads)
+    located = locate_shots(house, read.shots, read.spots, read.turns, read.alike, threads)
     entries = {}
     for name in sorted(read.cameras):
         entries[name] = pose_to_json(read.cameras[name], located.poses.get(name))
@@ -309,7 +315,8 @@ def read_shots(
         {(a, b): int(quarters) for a, b, quarters in read_stage_json(folder / file, "spots")}
         for file in (TURNS_FILE, SPOTS_FILE)
     )
-    return Shots(shots, told_by, turns, spots, cameras)
+    alike = {(a, b): v for a, b, v in read_stage_json(folder / LIKENESS_FILE, "likeness")}
+    return Shots(shots, told_by, turns, spots, alike, cameras)
 
 
 def write_photo_rooms(

@@ -55,6 +55,11 @@ class WhichRoomSettings:
     #: They are wrong together: what each tells, and how often its room is photographed, counts
     #: less, by this power of how many.
     repeated: float = 0.5
+    #: Of the likeness of two photos in one room (`matches.likeness`) above what is usual. Those of
+    #: a room are not independent: the sum over them counts by the root of their number.
+    #: Chosen on two listings, reported on two others and two flats (development).
+    alike: float = 3.0
+    usual: float = 0.2
     #: Share of a tie where the rooms are open to each other.
     open_tie: float = 0.7
     #: Taken for each of at most so many photos in the same room that no ties lead to: most photos
@@ -123,10 +128,12 @@ def room_probabilities(
     house: House,
     photos: Mapping[str, PhotoEvidence],
     tied: Collection[tuple[str, str]],
+    alike: Mapping[tuple[str, str], float],
 ) -> dict[str, dict[str, float]]:
     """Return how probable each room is for each photo; `NOWHERE` for none.
 
-    `tied` are the pairs of photos that see the same things. Gibbs sampling of the rooms of all
+    `tied` are the pairs of photos that see the same things, `alike` tells how alike pairs look
+    (:func:`plan2scene.photos.matches.likeness`). Gibbs sampling of the rooms of all
     photos, alone and together with those that they are tied to: the same input gives the same
     numbers.
     """
@@ -139,6 +146,7 @@ def room_probabilities(
     alone = weight[:, None] * np.array([_alone(house, photos[name]) for name in names])
     known = [photos[name].tells or bool(pairs[k]) for k, name in enumerate(names)]
     near = _nearness(house)
+    looks = _looks_together(names, alike)
     frequent, first = _frequency(house)
     rng = generator(0, "which room", house.id)
     state = np.where(known, alone.argmax(axis=1), len(rooms))
@@ -152,10 +160,13 @@ def room_probabilities(
         log = alone[group].sum(axis=0) + np.where(counts == 0, first, 0.0)
         for more, k in enumerate(group):
             log += weight[k] * np.log(frequent + np.minimum(counts + more, 2.0) * 0.3)
+        others = [k for k in range(len(names)) if k not in held]
         for k in group:
             kin = [state[other] for other in kindred[k] if other not in held]
             untied = counts - np.bincount(kin, minlength=len(counts))
             log[:-1] -= WHICH.untied * np.minimum(untied, WHICH.most_untied)[:-1]
+            together = np.bincount(state[others], looks[k, others], len(counts))
+            log[:-1] += (together / np.sqrt(np.maximum(counts, 1.0)))[:-1]
             for other in pairs[k]:
                 log += WHICH.tie * (near.diagonal() / 2 if other in held else near[state[other]])
                 if len(group) > 1 and other not in held:
@@ -335,6 +346,17 @@ def _nearness(house: House) -> np.ndarray:
             a, b = index[door.room_a], index[door.room_b]
             near[a, b] = near[b, a] = WHICH.open_tie
     return near
+
+
+def _looks_together(names: Sequence[str], alike: Mapping[tuple[str, str], float]) -> np.ndarray:
+    """Return (n, n) of how much two photos' looks speak for one room; 0 where they are unknown."""
+    index = {name: k for k, name in enumerate(names)}
+    found = np.zeros((len(names), len(names)))
+    for (a, b), value in alike.items():
+        if a in index and b in index:
+            pair = index[a], index[b]
+            found[pair] = found[pair[::-1]] = WHICH.alike * (value - WHICH.usual)
+    return found
 
 
 def _pairs(names: Sequence[str], tied: Collection[tuple[str, str]]) -> list[list[int]]:
