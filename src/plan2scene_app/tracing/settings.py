@@ -115,6 +115,7 @@ class TraceSettings:
     dash: float = 0.15  #: m between dashes of a line
     # Walls that are thin lines.
     thin_line: float = 0.45  #: m of the shortest
+    thin_seen: float = 0.3  #: share of a line that the network takes for wall at least
     thin_gap: tuple[float, float] = (0.4, 2.0)  #: m of a gap in line, the scale a first guess
     thin_wall_beside: float = 1.0  #: m of the longer of these two
     thin_scales: tuple[float, ...] = (0.8, 0.9, 1.0, 1.2, 1.5)  #: tried, of the first guess

@@ -36,8 +36,8 @@ def with_thin_walls(
 
     `names` are the places (x, y) of room names. Lines are walls where they part names; what has
     neither a name nor a gap in its border is furniture. Left as it is where fewer than
-    `SETTINGS.thin_names` names more are parted. `ppm` is a guess: of some tried, the one is taken
-    on which most sizes agree.
+    `SETTINGS.thin_names` names more are parted, and fewer gaps are found. `ppm` is a guess: of some
+    tried, the one is taken on which most sizes agree.
     """
     found = [
         parted
@@ -66,9 +66,10 @@ def _parted_at(
     floor = (structure == ROOM) | inside | line
     widths: list[int] = []
     walls, doors = np.zeros(floor.shape, bool), np.zeros(floor.shape, bool)
+    seen = cv2.dilate((structure == WALL).astype(np.uint8), np.ones((7, 7), np.uint8)) > 0
     for turned in (False, True):
-        drawn = ink.T if turned else ink
-        line, gap, wide = _lines(drawn, ppm)
+        drawn, walled = (ink.T, seen.T) if turned else (ink, seen)
+        line, gap, wide = _lines(drawn, walled, ppm)
         widths += wide
         line = ndimage.binary_dilation(line, np.ones((3, 1)))
         gap = ndimage.binary_dilation(gap, np.ones((3, 1)))
@@ -88,7 +89,8 @@ def _parted_at(
             break
         added = opened
     parts = _parted(floor & ~added & ~gaps, names)
-    if parts < before + SETTINGS.thin_names:
+    more = parts - before, ndimage.label(gaps)[1]
+    if more[0] < 0 or max(more) < SETTINGS.thin_names:
         return None
     changed = structure.copy()
     changed[floor] = ROOM
@@ -167,8 +169,13 @@ def _rooms(
     return np.asarray(kept)
 
 
-def _lines(ink: np.ndarray, ppm: float) -> tuple[np.ndarray, np.ndarray, list[int]]:
-    """Return straight lines along x, the gaps between two in line (h, w) bool, and their widths."""
+def _lines(
+    ink: np.ndarray, seen: np.ndarray, ppm: float
+) -> tuple[np.ndarray, np.ndarray, list[int]]:
+    """Return straight lines along x, the gaps between two in line (h, w) bool, and their widths.
+
+    Of a line a part is `seen` as a wall by the network (h, w) bool; the edge of a bath is not.
+    """
     length = max(9, round(SETTINGS.thin_line * ppm))
     drawn = cv2.dilate(ink.astype(np.uint8), np.ones((3, 1), np.uint8))
     lines = cv2.morphologyEx(drawn, cv2.MORPH_OPEN, np.ones((1, length), np.uint8)) > 0
@@ -180,6 +187,9 @@ def _lines(ink: np.ndarray, ppm: float) -> tuple[np.ndarray, np.ndarray, list[in
     ends = []
     for number, box in enumerate(boxes, start=1):
         own = places[box] == number
+        if seen[box][own].mean() < SETTINGS.thin_seen:
+            lines[box] &= ~own
+            continue
         rows = [box[0].start + float(np.nonzero(own[:, k])[0].mean()) for k in (0, -1)]
         ends.append((box[1].start, box[1].stop, rows[0], rows[1]))
     gaps = np.zeros(ink.shape, bool)

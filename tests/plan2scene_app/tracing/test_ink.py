@@ -133,6 +133,9 @@ def test_thin_lines_part_named_rooms_and_gaps_in_them_are_doors():
     page[60:90, 60] = page[60:90, 90] = page[60, 60:90] = page[90, 60:91] = 90  # a table
     names = [(100.0, 200.0), (300.0, 80.0), (300.0, 220.0)]
     sizes = [(100.0, 200.0, 41.5), (300.0, 80.0, 25.1)]
+    unseen = labels.copy()
+    assert with_thin_walls(unseen, page, names, sizes, PPM)[0] is unseen
+    labels[36:80, 199:202] = labels[150:220, 199:202] = labels[158:163, 210:300] = WALL
     labels[130:140, 199:202] = PASSAGE  # a third of the gap, which the network sees
     found, ppm = with_thin_walls(labels, page, names, sizes, PPM)
     assert ppm == pytest.approx(30, rel=0.03)
