@@ -327,6 +327,7 @@ LEFT = {
     "cameras": {"a.jpg": CAMERA, "b.jpg": CAMERA | {"room_id": None, "rooms": {"hall": 0.5}}},
     "kinds": {"source": "embedded", "photos": {"a.jpg": [0.5, 0.1, 0.1, 0.1, 0.1, 0.1]}},
     "spots": [["a.jpg", "b.jpg", 3]],
+    "likeness": [["a.jpg", "b.jpg", -0.25]],
     "warnings": ["photo a.jpg left out: no picture"],
     "photo_rooms": {"a.jpg": ["living", "hall"]},
     "light": {"gains": {"a.jpg": [1.1, 1.0, 0.9]}},
