@@ -80,8 +80,8 @@ def make_masks(
     `fov_deg` is the horizontal field of view in degrees where neither EXIF data nor vanishing
     points give one, nor those of the other photos; `known_fov_deg` that of all photos along their
     longer side, which goes before EXIF data. `find_rooms` names what tells what rooms are used for
-    (``photos.kinds``); without it rooms are not found, and ``kinds.json`` is empty. `threads`
-    photos are worked on at a time; the result does not depend on it.
+    (``photos.kinds``); without it rooms are not found; ``kinds.json`` and ``likeness.json`` are
+    empty. `threads` photos are worked on at a time; the result does not depend on it.
     """
     _refuse_equal_stems(photos, house_id)
     with atomic_directory(out_dir) as folder:

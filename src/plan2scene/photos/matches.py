@@ -1,7 +1,8 @@
-"""Photos that show the same things, or were taken from one spot: points found in both.
+"""Photos that show the same things, were taken from one spot, or look alike.
 
-Where the Manhattan frames of both photos are known, a quarter turn between them and the way from
-one camera to the other is all that is not: what agrees with one of each is no chance.
+Points found in both tell the first two. Where the Manhattan frames of both photos are known, a
+quarter turn between them and the way from one camera to the other is all that is not: what agrees
+with one of each is no chance. Colours and features of whole photos tell the third.
 """
 
 from __future__ import annotations

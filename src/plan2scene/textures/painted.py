@@ -273,8 +273,8 @@ def _plain_tiles(
             colour = gains[key] * srgb_to_linear(median_colour(image))
             image, pattern = plain(image, colour, len(image) / size_m)
             made[key] = _Tile(image, size_m, entries[key].get("substance"), pattern)
-            hangs = made[key].substance not in PATTERNED and is_upright(tiles[key], size_m)
-            if pattern > LOUD or (key.kind == "wall" and pattern >= FAINT and hangs):
+            plainer = key.kind == "wall" and made[key].substance not in PATTERNED
+            if pattern > LOUD or (plainer and pattern >= FAINT and is_upright(tiles[key], size_m)):
                 handed_on.add(key)
             bare[key] = np.full_like(image, as_uint8(linear_to_srgb(np.minimum(colour, 1.0))))
     plainest: dict[str, _Tile] = {}

@@ -51,13 +51,15 @@ def read_plan_picture(path: str | Path) -> PlanPicture:
 
 def _printed(image: np.ndarray) -> tuple[slice, slice]:
     """Return rows and columns of a picture with something on them; all where that fills it."""
-    grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY).astype(np.float32)
-    ink = np.abs(grey - np.percentile(grey, 90)) > SETTINGS.drawing_ink
-    parts = ndimage.find_objects(ink.astype(int))
-    if not parts or fills(parts[0], ink.shape):
-        return slice(0, image.shape[0]), slice(0, image.shape[1])
-    edge = round(SETTINGS.printed_edge * max(ink.shape))
-    rows, columns = (slice(max(0, p.start - edge), p.stop + edge) for p in parts[0])
+    grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
+    paper = round(float(np.percentile(grey, 90)))
+    ink = np.where(grey > paper, grey - np.uint8(paper), np.uint8(paper) - grey)  # no copy as float
+    left, top, width, height = cv2.boundingRect((ink > SETTINGS.drawing_ink).astype(np.uint8))
+    printed = slice(top, top + height), slice(left, left + width)
+    if not width or fills(printed, grey.shape):
+        return slice(0, grey.shape[0]), slice(0, grey.shape[1])
+    edge = round(SETTINGS.printed_edge * max(grey.shape))
+    rows, columns = (slice(max(0, part.start - edge), part.stop + edge) for part in printed)
     return rows, columns
 
 

@@ -27,7 +27,8 @@ OTHER, FLOOR, WALL, CEILING, DOOR, WINDOW = range(6)
 LABELS_AND_OPENINGS = (*LABELS, "door", "window")
 IGNORE = 255
 #: What a photographed room may be used for; files of a masks folder with how probable that is for
-#: each photo, with the photos that see the same things, and with those from one spot.
+#: each photo, with the photos that see the same things, with those from one spot, and with how
+#: alike photos look.
 KINDS_FILE, TURNS_FILE, SPOTS_FILE = "kinds.json", "turns.json", "spots.json"
 LIKENESS_FILE = "likeness.json"
 KINDS = ("Reception", "Bedroom", "Kitchen", "Bathroom", "Corridor", "Closet")

@@ -59,7 +59,7 @@ class WhichRoomSettings:
     #: a room are not independent: the sum over them counts by the root of their number.
     #: Chosen on two listings, reported on two others and two flats (development).
     alike: float = 3.0
-    usual: float = 0.2
+    usually_alike: float = 0.2
     #: Share of a tie where the rooms are open to each other.
     open_tie: float = 0.7
     #: Taken for each of at most so many photos in the same room that no ties lead to: most photos
@@ -160,12 +160,12 @@ def room_probabilities(
         log = alone[group].sum(axis=0) + np.where(counts == 0, first, 0.0)
         for more, k in enumerate(group):
             log += weight[k] * np.log(frequent + np.minimum(counts + more, 2.0) * 0.3)
-        others = [k for k in range(len(names)) if k not in held]
         for k in group:
             kin = [state[other] for other in kindred[k] if other not in held]
             untied = counts - np.bincount(kin, minlength=len(counts))
             log[:-1] -= WHICH.untied * np.minimum(untied, WHICH.most_untied)[:-1]
-            together = np.bincount(state[others], looks[k, others], len(counts))
+            together = np.bincount(state, looks[k], len(counts))
+            together[here] -= looks[k, group].sum()
             log[:-1] += (together / np.sqrt(np.maximum(counts, 1.0)))[:-1]
             for other in pairs[k]:
                 log += WHICH.tie * (near.diagonal() / 2 if other in held else near[state[other]])
@@ -355,7 +355,7 @@ def _looks_together(names: Sequence[str], alike: Mapping[tuple[str, str], float]
     for (a, b), value in alike.items():
         if a in index and b in index:
             pair = index[a], index[b]
-            found[pair] = found[pair[::-1]] = WHICH.alike * (value - WHICH.usual)
+            found[pair] = found[pair[::-1]] = WHICH.alike * (value - WHICH.usually_alike)
     return found
 
 
