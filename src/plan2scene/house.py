@@ -36,7 +36,7 @@ SURFACES = ("floor", "wall", "ceiling")
 #: Substances in the order of the substance head's logits.
 SUBSTANCES = ("wood", "plaster", "carpet", "tile")
 DEFAULT_HEIGHT = 2.8  #: Height in metres of a room whose plan gives none
-#: Where the heights of ceilings come from, if not from the plan: :attr:`House.heights`.
+#: Where heights of ceilings and windows come from, if not from the plan: :attr:`House.heights`.
 USUAL, FROM_PHOTOS = "usual", "photos"
 #: Kinds of opening. A passage is a door-sized or wider hole without a leaf.
 OPENING_KINDS = ("door", "window", "passage")
@@ -217,7 +217,8 @@ class House:
     colours of door leaves by the id of their opening, `trim_colours` those of skirting and frames
     by room; that of the id "" holds for all others. `name` is what people call the house.
     `heights` says where those of its ceilings come from: empty for the plan, `USUAL` where that
-    gives none, `FROM_PHOTOS` where photos then told them.
+    gives none, `FROM_PHOTOS` where photos then told them; `windows` is `USUAL` where it draws none
+    and they are guesses.
     """
 
     id: str
@@ -233,6 +234,7 @@ class House:
     trim_colours: tuple[tuple[str, tuple[int, int, int]], ...] = ()
     name: str = ""
     heights: str = ""
+    windows: str = ""
     warnings: tuple[str, ...] = field(default=(), compare=False)
 
     @property

@@ -12,11 +12,12 @@ from pathlib import Path
 
 from plan2scene.datasets.assignments import check_assignment, read_assignment
 from plan2scene.errors import InputError
-from plan2scene.house import House, IconBox
+from plan2scene.house import USUAL, House, IconBox
 from plan2scene.io import read_text
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.parse import Source, parse_json
 from plan2scene.plans.scene_writer import write_scene_json
+from plan2scene.plans.usual_windows import with_usual_windows
 from plan2scene.plans.validate import validate_house
 
 _MARGIN = 0.5  #: How far beyond the rooms a box may reach in metres (icons are drawn over walls)
@@ -97,11 +98,14 @@ def import_plan(
     that has none, is a warning, and so is a photo that `photos_dir` lacks; None asks for no check.
     `traced` as of :func:`.assignments.read_assignment`.
     `name` is what people call a house whose plan does not say.
+    A drawing without windows gets usual ones (:mod:`plan2scene.plans.usual_windows`).
     Boxes of an `object_boxes` file become the house's icons; a faulty file is a warning.
     """
     house = read_plan(path, house_id, metres_per_pixel, dxf_layers)
     house = replace(house, name=house.name or name)
     warnings = validate_house(house, file=path)
+    if house.heights == USUAL:  # a drawing
+        house = with_usual_windows(house)
     if assignment is not None:
         rows = read_assignment(assignment, house, traced=traced)
         if photos_dir is not None or not rows:

@@ -255,6 +255,7 @@ def house_of_scene(document: Any, house_id: str, *, file: str = "") -> House:
         stairs=linked(read_stairs(source, arch, levels), tuple(rooms.values()), levels),
         name=source.shown_name(arch.get("name")),
         heights=next((told for told in (USUAL, FROM_PHOTOS) if told == arch.get("heights")), ""),
+        windows=USUAL if arch.get("windows") == USUAL else "",
         warnings=tuple(source.warnings),
     )
 

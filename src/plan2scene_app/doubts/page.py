@@ -166,6 +166,8 @@ def doubt_lines(
     if house.heights:
         why = "as photos show" if house.heights == FROM_PHOTOS else "as usual: no photo shows them"
         yield f"the plan tells no heights: ceilings at {house.rooms[0].height:.2f} m, {why}"
+    if house.windows:
+        yield "the plan draws no windows: those of the house are guesses, drawn ones replace them"
     yield from left_out
     if lost and used:
         yield f"no room is found for {', '.join(lost)}"

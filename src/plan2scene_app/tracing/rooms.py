@@ -8,7 +8,7 @@ it, and the cells of a room make its polygon: neighbours share their walls.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import cv2
@@ -205,21 +205,23 @@ def with_types_by_marks(
 ) -> list[TracedRoom]:
     """Return rooms whose unnamed ones have types by size, ways and what is drawn in them.
 
-    Where a plan names its rooms, baths, halls, wardrobes and stairs are those without a name. Left
-    as they are where less than half are named. `image` (h, w, 3) uint8 has no text; `treads` is the
-    share of each room's floor that treads take; `metres` are of a pixel.
+    Where a plan names its rooms, baths, halls, wardrobes and stairs are those without a name: one
+    that names a bedroom names all, and one that names no bath has it among the others. Left as they
+    are where less than half are named. `image` (h, w, 3) uint8 has no text; `treads` is the share
+    of each room's floor that treads take; `metres` are of a pixel.
     """
     if 2 * sum(room.named for room in rooms) < len(rooms):
         return list(rooms)
+    named = {kind for room in rooms if room.named for kind in room.types}
     light = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY).astype(np.float32)
     slopes = cv2.Sobel(light, cv2.CV_32F, 1, 0), cv2.Sobel(light, cv2.CV_32F, 0, 1)
     edge = np.hypot(*slopes) > SETTINGS.mark_slope
     angle = np.degrees(np.arctan2(*np.abs(slopes)))
     askew = (angle > SETTINGS.askew[0]) & (angle < SETTINGS.askew[1]) & edge
-    taken = {room.id for room in rooms if _told(room)}
+    taken = {room.id for room in rooms if _told(room, named)}
     told = []
     for room in rooms:
-        if _told(room):
+        if _told(room, named):
             told.append(room)
             continue
         floor = (regions.floors == room.number).astype(np.uint8)
@@ -229,6 +231,8 @@ def with_types_by_marks(
         swings = int((askew & inside).sum()) > SETTINGS.swing_share * marks
         ways = sum(o.kind != "window" and room.number in (o.room, o.other) for o in openings)
         area = float(floor.sum()) * metres**2
+        # Basins and tubs are as round as what doors sweep, so that only halls have many of these.
+        swings = swings and ("Bathroom" in named or ways >= SETTINGS.ways_of_hall)
         kind = _type_by_marks(area, dense, ways, swings=swings)
         if treads[room.number] > SETTINGS.stairs:
             kind = "Staircase"
@@ -237,9 +241,9 @@ def with_types_by_marks(
     return told
 
 
-def _told(room: TracedRoom) -> bool:
-    """Return whether a name tells what a room is, or furniture that the network knows."""
-    return room.named or room.types[0] not in ("Unknown", "Corridor", "Closet")
+def _told(room: TracedRoom, named: Collection[str]) -> bool:
+    """Return whether a name tells what a room is, or furniture of a kind that no name tells."""
+    return room.named or room.types[0] not in {"Unknown", "Corridor", "Closet", *named}
 
 
 def _type_by_marks(area: float, dense: float, ways: int, *, swings: bool) -> str:
@@ -248,9 +252,10 @@ def _type_by_marks(area: float, dense: float, ways: int, *, swings: bool) -> str
     fixtures = dense > (SETTINGS.fixtures_by_swings if swings else SETTINGS.fixtures)
     if fixtures and ways and low < area < high:
         return "Bathroom"
-    if area < low or (dense < SETTINGS.fixtures and ways < 3 and area < SETTINGS.largest_closet):
+    hall = ways >= SETTINGS.ways_of_hall
+    if area < low or (dense < SETTINGS.fixtures and not hall and area < SETTINGS.largest_closet):
         return "Closet"
-    return "Corridor" if ways >= 3 and (swings or dense < SETTINGS.fixtures) else ""
+    return "Corridor" if hall and (swings or dense < SETTINGS.fixtures) else ""
 
 
 def without_inner_windows(

@@ -148,6 +148,7 @@ class TraceSettings:
     fixtures_by_swings: float = 6.0  #: ... where doors swing, too: three in a small room give 4
     bath: tuple[float, float] = (1.0, 14.0)  #: m2; counters of kitchens have no door
     largest_closet: float = 3.0  #: m2
+    ways_of_hall: int = 3  #: doors and passages from which a room is one
     # Open rooms with several names.
     faint: float = 0.06  #: darkness of the faintest line that divides a floor
     line_drawn: float = 0.7  #: share of a dividing line that is drawn

@@ -42,6 +42,12 @@ def test_bands_part_where_several_photos_show_it():
     assert set(found.planes) == {f"wall/{k}_0" for k in range(1, 5)}
 
 
+def test_only_tiles_of_a_bath_reach_up_to_a_doors_head():
+    views = [view(k, 1.9) for k in range(1, 4)]
+    assert find_bands(views) == {}
+    assert find_bands(views, {"bath"})["bath"].split_m == pytest.approx(1.9, abs=0.05)
+
+
 @pytest.mark.parametrize(
     "views",
     [

@@ -1,5 +1,6 @@
 """From labels of pixels to rooms and openings."""
 
+import cv2
 import numpy as np
 import pytest
 from scipy import ndimage
@@ -105,6 +106,22 @@ def test_marks_tell_what_an_unnamed_room_is(step, treads, kind):
     taken = {room.number: treads for room in rooms}
     found = with_types_by_marks(rooms, openings, regions, image, taken, 1 / PPM)
     assert {room.types for room in found} == {("Bedroom",), (kind,)}
+
+
+def test_a_plan_that_names_a_bedroom_names_all():
+    labels = flat_labels()
+    probabilities = as_probabilities(np.where(labels == 8, ROOM + 2, labels))
+    regions, polygons = traced(probabilities)
+    openings = find_openings(regions, polygons, probabilities)
+    lines = [line("Chambre 1", 3.0 * PPM, 2.0 * PPM)]
+    rooms = describe_rooms(regions, polygons, probabilities, lines)
+    assert [room.types for room in rooms] == [("Bedroom",)] * 2
+    basin = np.full((*labels.shape, 3), 255, np.uint8)  # round: as what a door sweeps
+    for radius in range(6, 30, 3):
+        cv2.circle(basin, (round(6.5 * PPM), round(2.0 * PPM)), radius, (0, 0, 0))
+    taken = {room.number: 0.0 for room in rooms}
+    found = with_types_by_marks(rooms, openings, regions, basin, taken, 1 / PPM)
+    assert sorted(room.types for room in found) == [("Bathroom",), ("Bedroom",)]
 
 
 @pytest.mark.parametrize("angle", [0.0, 3.0, -20.0, 40.0])

@@ -11,7 +11,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from plan2scene.house import House, Opening, Ring, Room, Wall
+from plan2scene.house import USUAL, House, Opening, Ring, Room, Wall
 from plan2scene.photos.locate.locate_settings import LOCATE
 from plan2scene.plans.geometry import point_along, ring_edges
 
@@ -164,13 +164,18 @@ def _rooms_behind(house: House) -> dict[tuple[str, str], str]:
 
 
 def _holes(house: House, shape: RoomShape, behind: Mapping[tuple[str, str], str]) -> list[Hole]:
-    """Return the openings of a room on its edges: those of its walls, and those that lead to it."""
+    """Return the openings of a room on its edges: those of its walls, and those that lead to it.
+
+    Guessed windows are none of them.
+    """
     holes: list[Hole] = []
     named: set[str] = set()
     own = [wall for wall in house.walls if shape.room_id in wall.room_ids]
     for wall in [*own, *(wall for wall in house.walls if wall not in own)]:
         mine = shape.room_id in wall.room_ids
         for opening in wall.openings:
+            if opening.kind == "window" and house.windows == USUAL:
+                continue
             joins = (shape.room_id, opening.id) in behind
             if opening.id in named or not (mine or joins):
                 continue

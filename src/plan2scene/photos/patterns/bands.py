@@ -7,7 +7,7 @@ room's walls agree on it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import PurePath
 
@@ -29,6 +29,8 @@ class BandSettings:
     strip_m: float = 0.16  #: height of what is compared above and below a step
     gap_m: float = 0.04  #: left out between them, on either side of the step
     heights_m: tuple[float, float] = (0.45, 2.1)  #: of a step above the floor
+    #: Dados and low panels end below this; tiles of baths may reach up to a door's head.
+    dry_m: float = 1.6
     least_m: float = 0.8  #: width that shows it in a view
     step: float = 0.25  #: change of log colour, that of brightness counted half
     along: float = 0.75  #: share of the columns whose step is like the usual one
@@ -204,11 +206,13 @@ def _shared(steps: np.ndarray, usual: np.ndarray) -> np.ndarray:
     return np.asarray(steps @ usual / max(float(usual @ usual), 1e-9))
 
 
-def find_bands(views: Sequence[WallView]) -> dict[str, WallBands]:
-    """Return the rooms whose walls are in bands."""
+def find_bands(views: Sequence[WallView], wet: Collection[str] = ()) -> dict[str, WallBands]:
+    """Return the rooms whose walls are in bands; those of `wet` rooms may part higher up."""
     found = {}
     for room in sorted({view.room for view in views}):
         mine = [view for view in views if view.room == room]
+        if room not in wet:
+            mine = [replace(v, step_m=np.nan) if v.step_m > BANDS.dry_m else v for v in mine]
         bands = _agreed(mine)
         if bands is not None:
             found[room] = bands

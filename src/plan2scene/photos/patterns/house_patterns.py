@@ -119,7 +119,8 @@ def write_patterns(
         for room in sorted(found | like)
     ]
     of_walls = pictured[pictured["surface"] == "wall"]
-    rows += [_band_row(room, bands, of_walls) for room, bands in find_bands(walls_seen).items()]
+    banded = find_bands(walls_seen, wet)
+    rows += [_band_row(room, bands, of_walls) for room, bands in banded.items()]
     result = pd.DataFrame(rows, columns=list(_COLUMNS)).fillna({"above": "", "below": ""})
     result = result.fillna({"like": ""}).astype(_COLUMNS)
     write_parquet(output, result, {"dataset": dataset, "house": plan.id})

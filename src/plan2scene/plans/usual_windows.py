@@ -1,0 +1,109 @@
+"""Windows for a plan that draws none, as many an agent's does: where such rooms usually have them.
+
+They are guesses, and the house says so: nothing that photos are compared with counts on them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from shapely.geometry import Point as ShapelyPoint
+from shapely.geometry.base import BaseGeometry
+from shapely.ops import unary_union
+
+from plan2scene.house import USUAL, House, Opening, Room, Wall
+from plan2scene.plans.geometry import point_along, room_polygon
+from plan2scene.plans.wall_sides import inner_normal
+
+
+@dataclass(frozen=True)
+class UsualWindows:
+    """What windows of dwellings are like, metres. Usual sizes; nothing was chosen on homes."""
+
+    #: Types of rooms that have a window.
+    rooms: frozenset[str] = frozenset({"Reception", "Bedroom", "Kitchen", "Bathroom"})
+    #: A window takes this share of the free wall, within limits, and stands in its middle.
+    share: float = 0.45
+    width: tuple[float, float] = (0.6, 1.8)
+    bath_width: float = 0.7  #: widest of a bathroom
+    sill: float = 0.9
+    bath_sill: float = 1.3
+    top: float = 2.1
+    below_ceiling: float = 0.2  #: least from the top to the ceiling
+    beside: float = 0.25  #: least wall between a window and a corner or another opening
+    #: A room of that many square metres has a second one in a wall that runs another way.
+    large_m2: float = 20.0
+    #: Gaps between rooms narrower than twice this are walls and voids of the house.
+    within: float = 0.75
+
+
+USUAL_WINDOWS = UsualWindows()
+
+
+def with_usual_windows(house: House) -> House:
+    """Return a house with guessed windows in the outer walls of its rooms, if it has none.
+
+    The house's `windows` are then `house.USUAL`. One without an outer wall for any stays as it is.
+    """
+    if any(opening.kind == "window" for wall in house.walls for opening in wall.openings):
+        return house
+    added: dict[str, Opening] = {}
+    for _, storey in house.storeys():
+        indoors = [room_polygon(room) for room in storey.rooms if not room.open_air]
+        closed = unary_union(indoors).buffer(USUAL_WINDOWS.within, join_style="mitre")
+        inside = closed.buffer(-USUAL_WINDOWS.within, join_style="mitre")
+        for room in storey.rooms:
+            if USUAL_WINDOWS.rooms & set(room.types):
+                for wall, span in _chosen(storey, room, inside):
+                    added[wall.id] = _window(f"usual_window_{len(added) + 1}", room, span)
+    if not added:
+        return house
+    walls = tuple(
+        replace(wall, openings=(*wall.openings, added[wall.id])) if wall.id in added else wall
+        for wall in house.walls
+    )
+    return replace(house, walls=walls, windows=USUAL)
+
+
+def _chosen(
+    storey: House, room: Room, inside: BaseGeometry
+) -> Iterator[tuple[Wall, tuple[float, float]]]:
+    """Yield the walls of a room that get a window, with their free stretch."""
+    open_air = {other.id for other in storey.rooms if other.open_air}
+    polygon = room_polygon(room)
+    found = []
+    for wall in storey.walls_of(room.id):
+        low, high = max(_free(wall), key=lambda span: span[1] - span[0])
+        if high - low < USUAL_WINDOWS.width[0] or not set(wall.room_ids) <= {room.id, *open_air}:
+            continue
+        out = np.array(point_along(wall, (low + high) / 2)) - 0.3 * inner_normal(wall, polygon)
+        if not inside.contains(ShapelyPoint(out)):
+            found.append((wall, (low, high)))
+    found.sort(key=lambda item: item[1][0] - item[1][1])
+    ways = [np.subtract(wall.end, wall.start) / wall.length for wall, _ in found]
+    yield from found[:1]
+    if polygon.area >= USUAL_WINDOWS.large_m2:
+        across = (k for k, way in enumerate(ways) if abs(way @ ways[0]) < 0.7)
+        yield from (found[k] for k in list(across)[:1])
+
+
+def _free(wall: Wall) -> Iterator[tuple[float, float]]:
+    """Yield the stretches of a wall without an opening, off corners and frames, metres along it."""
+    taken = sorted((opening.start, opening.end) for opening in wall.openings)
+    for (_, low), (high, _) in pairwise([(0.0, 0.0), *taken, (wall.length, wall.length)]):
+        yield low + USUAL_WINDOWS.beside, high - USUAL_WINDOWS.beside
+
+
+def _window(name: str, room: Room, span: tuple[float, float]) -> Opening:
+    """Return a window in the middle of a stretch of wall."""
+    bath = "Bathroom" in room.types
+    low, high = USUAL_WINDOWS.width
+    width = float(np.clip(USUAL_WINDOWS.share * (span[1] - span[0]), low, high))
+    half = min(width, USUAL_WINDOWS.bath_width) / 2 if bath else width / 2
+    middle = (span[0] + span[1]) / 2
+    top = min(USUAL_WINDOWS.top, room.height - USUAL_WINDOWS.below_ceiling)
+    sill = USUAL_WINDOWS.bath_sill if bath else USUAL_WINDOWS.sill
+    return Opening(name, "window", middle - half, middle + half, min(sill, top - 0.4), top)
