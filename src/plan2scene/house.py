@@ -36,7 +36,7 @@ SURFACES = ("floor", "wall", "ceiling")
 #: Substances in the order of the substance head's logits.
 SUBSTANCES = ("wood", "plaster", "carpet", "tile")
 DEFAULT_HEIGHT = 2.8  #: Height in metres of a room whose plan gives none
-#: Where heights of ceilings and windows come from, if not from the plan: :attr:`House.heights`.
+#: Where the heights of ceilings come from, if not from the plan: :attr:`House.heights`.
 USUAL, FROM_PHOTOS = "usual", "photos"
 #: Kinds of opening. A passage is a door-sized or wider hole without a leaf.
 OPENING_KINDS = ("door", "window", "passage")
@@ -72,7 +72,10 @@ def _plain(name: str) -> str:
 
 @dataclass(frozen=True)
 class Opening:
-    """A hole in a wall: metres along the wall from its first point, and metres above the floor."""
+    """A hole in a wall: metres along the wall from its first point, and metres above the floor.
+
+    `guessed`: nothing but the kind of room tells that it is there.
+    """
 
     id: str
     kind: str  # one of OPENING_KINDS
@@ -80,6 +83,7 @@ class Opening:
     end: float
     bottom: float
     top: float
+    guessed: bool = False
 
 
 @dataclass(frozen=True)
@@ -217,8 +221,7 @@ class House:
     colours of door leaves by the id of their opening, `trim_colours` those of skirting and frames
     by room; that of the id "" holds for all others. `name` is what people call the house.
     `heights` says where those of its ceilings come from: empty for the plan, `USUAL` where that
-    gives none, `FROM_PHOTOS` where photos then told them; `windows` is `USUAL` where it draws none
-    and they are guesses.
+    gives none, `FROM_PHOTOS` where photos then told them.
     """
 
     id: str
@@ -234,7 +237,6 @@ class House:
     trim_colours: tuple[tuple[str, tuple[int, int, int]], ...] = ()
     name: str = ""
     heights: str = ""
-    windows: str = ""
     warnings: tuple[str, ...] = field(default=(), compare=False)
 
     @property

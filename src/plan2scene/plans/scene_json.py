@@ -192,7 +192,9 @@ def _read_hole(source: Source, value: Any, wall: Wall, number: int) -> Opening:
     start, end = _cut(source, min(x0, x1), max(x0, x1), wall.length, f"{name}, along", room)
     # Low walls (balconies) carry full doors in real plans: the hole is cut at any excess.
     bottom, top = _cut(source, y0, y1, wall.height, f"{name}, up", room, tall=True)
-    return Opening(hole_id, "passage" if hole.get("passage") else kind, start, end, bottom, top)
+    guessed = hole.get("guessed") is True
+    kind = "passage" if hole.get("passage") else kind
+    return Opening(hole_id, kind, start, end, bottom, top, guessed)
 
 
 def _cut(
@@ -255,7 +257,6 @@ def house_of_scene(document: Any, house_id: str, *, file: str = "") -> House:
         stairs=linked(read_stairs(source, arch, levels), tuple(rooms.values()), levels),
         name=source.shown_name(arch.get("name")),
         heights=next((told for told in (USUAL, FROM_PHOTOS) if told == arch.get("heights")), ""),
-        windows=USUAL if arch.get("windows") == USUAL else "",
         warnings=tuple(source.warnings),
     )
 

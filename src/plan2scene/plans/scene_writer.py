@@ -26,9 +26,10 @@ def house_to_scene(
     plain colour. They are embedded as ``data:img/png;base64,...`` through materials, textures and
     images; the metres go into the texture's own key ``size_m``.
 
-    Beyond the official form: ``size_m``, ``heights`` and ``windows`` (as of `House`), ``"passage":
-    true`` on a hole of type Door that has no leaf, ``name`` of house and rooms, ``arch.icons``, and of a house
-    with levels ``arch.levels`` with the ``level`` of each room and icon, and ``arch.stairs``.
+    Beyond the official form: ``size_m``, ``heights`` (`House.heights`), ``"passage": true`` on a
+    hole of type Door that has no leaf, ``"guessed": true`` on one that is so, ``name`` of house and
+    rooms, ``arch.icons``, and of a house with levels ``arch.levels`` with the ``level`` of each
+    room and icon, and ``arch.stairs``.
     Programs that don't know these keys are not disturbed: points have the elevation of their level.
     """
     textures = textures or {}
@@ -44,7 +45,6 @@ def house_to_scene(
         "id": house.id,
         **({"name": house.name} if house.name else {}),
         **({"heights": house.heights} if house.heights else {}),
-        **({"windows": house.windows} if house.windows else {}),
         "defaults": {
             "Wall": {"depth": 0.1, "extraHeight": 0.035},
             "Ceiling": {"depth": PLATE_DEPTH},
@@ -198,6 +198,8 @@ def _hole(opening: Opening) -> dict[str, Any]:
     }
     if opening.kind == "passage":
         hole["passage"] = True
+    if opening.guessed:
+        hole["guessed"] = True
     return hole
 
 

@@ -1,11 +1,8 @@
-"""Windows for a plan that draws none, as many an agent's does: where such rooms usually have them.
-
-They are guesses, and the house says so: nothing that photos are compared with counts on them.
-"""
+"""Windows for a plan that draws none, as many an agent's does, where rooms usually have them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -14,7 +11,7 @@ from shapely.geometry import Point as ShapelyPoint
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
-from plan2scene.house import USUAL, House, Opening, Room, Wall
+from plan2scene.house import House, Opening, Room, Wall
 from plan2scene.plans.geometry import point_along, room_polygon
 from plan2scene.plans.wall_sides import inner_normal
 
@@ -38,38 +35,47 @@ class UsualWindows:
     large_m2: float = 20.0
     #: Gaps between rooms narrower than twice this are walls and voids of the house.
     within: float = 0.75
+    outside: float = 0.3  #: beyond the line of a wall is what it parts from the room
 
 
 USUAL_WINDOWS = UsualWindows()
 
 
+def built_area(rooms: Iterable[Room]) -> BaseGeometry:
+    """Return the area of the rooms of a storey that have a roof, with the walls between them."""
+    indoors = unary_union([room_polygon(room) for room in rooms if not room.open_air])
+    closed = indoors.buffer(USUAL_WINDOWS.within, join_style="mitre")
+    return closed.buffer(-USUAL_WINDOWS.within, join_style="mitre")
+
+
+def guesses_windows(house: House) -> bool:
+    """Return whether windows of a house are guesses: its plan draws none."""
+    return any(opening.guessed for wall in house.walls for opening in wall.openings)
+
+
 def with_usual_windows(house: House) -> House:
     """Return a house with guessed windows in the outer walls of its rooms, if it has none.
 
-    The house's `windows` are then `house.USUAL`. One without an outer wall for any stays as it is.
+    One without an outer wall for any stays as it is.
     """
     if any(opening.kind == "window" for wall in house.walls for opening in wall.openings):
         return house
     added: dict[str, Opening] = {}
     for _, storey in house.storeys():
-        indoors = [room_polygon(room) for room in storey.rooms if not room.open_air]
-        closed = unary_union(indoors).buffer(USUAL_WINDOWS.within, join_style="mitre")
-        inside = closed.buffer(-USUAL_WINDOWS.within, join_style="mitre")
+        built = built_area(storey.rooms)
         for room in storey.rooms:
             if USUAL_WINDOWS.rooms & set(room.types):
-                for wall, span in _chosen(storey, room, inside):
+                for wall, span in _chosen(storey, room, built):
                     added[wall.id] = _window(f"usual_window_{len(added) + 1}", room, span)
-    if not added:
-        return house
     walls = tuple(
         replace(wall, openings=(*wall.openings, added[wall.id])) if wall.id in added else wall
         for wall in house.walls
     )
-    return replace(house, walls=walls, windows=USUAL)
+    return replace(house, walls=walls)
 
 
 def _chosen(
-    storey: House, room: Room, inside: BaseGeometry
+    storey: House, room: Room, built: BaseGeometry
 ) -> Iterator[tuple[Wall, tuple[float, float]]]:
     """Yield the walls of a room that get a window, with their free stretch."""
     open_air = {other.id for other in storey.rooms if other.open_air}
@@ -79,8 +85,8 @@ def _chosen(
         low, high = max(_free(wall), key=lambda span: span[1] - span[0])
         if high - low < USUAL_WINDOWS.width[0] or not set(wall.room_ids) <= {room.id, *open_air}:
             continue
-        out = np.array(point_along(wall, (low + high) / 2)) - 0.3 * inner_normal(wall, polygon)
-        if not inside.contains(ShapelyPoint(out)):
+        beyond = USUAL_WINDOWS.outside * inner_normal(wall, polygon)
+        if not built.contains(ShapelyPoint(point_along(wall, (low + high) / 2) - beyond)):
             found.append((wall, (low, high)))
     found.sort(key=lambda item: item[1][0] - item[1][1])
     ways = [np.subtract(wall.end, wall.start) / wall.length for wall, _ in found]
@@ -105,5 +111,5 @@ def _window(name: str, room: Room, span: tuple[float, float]) -> Opening:
     half = min(width, USUAL_WINDOWS.bath_width) / 2 if bath else width / 2
     middle = (span[0] + span[1]) / 2
     top = min(USUAL_WINDOWS.top, room.height - USUAL_WINDOWS.below_ceiling)
-    sill = USUAL_WINDOWS.bath_sill if bath else USUAL_WINDOWS.sill
-    return Opening(name, "window", middle - half, middle + half, min(sill, top - 0.4), top)
+    bottom = min(USUAL_WINDOWS.bath_sill if bath else USUAL_WINDOWS.sill, top - 0.4)
+    return Opening(name, "window", middle - half, middle + half, bottom, top, guessed=True)

@@ -166,8 +166,9 @@ def doubt_lines(
     if house.heights:
         why = "as photos show" if house.heights == FROM_PHOTOS else "as usual: no photo shows them"
         yield f"the plan tells no heights: ceilings at {house.rooms[0].height:.2f} m, {why}"
-    if house.windows:
-        yield "the plan draws no windows: those of the house are guesses, drawn ones replace them"
+    guessed = {o.id for wall in house.walls for o in wall.openings if o.guessed}
+    if guessed:
+        yield f"the plan draws no windows: {len(guessed)} are guesses, drawn ones replace them"
     yield from left_out
     if lost and used:
         yield f"no room is found for {', '.join(lost)}"

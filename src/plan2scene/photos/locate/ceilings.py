@@ -1,4 +1,4 @@
-"""How high the ceilings of a house are whose plan does not say: by the borders that photos show.
+"""What photos tell of a house whose plan does not: how high its ceilings are, where windows are.
 
 Floor, wall and ceiling of a photo agree with the plan at a pose of one height only. All photos of
 a house speak together, each by its best pose.
@@ -19,16 +19,19 @@ from plan2scene.photos.locate.likelihood import log_table
 from plan2scene.photos.locate.locate_photos import (
     Shot,
     labelled_openings,
+    locate_shots,
     read_shots,
     view_of,
 )
 from plan2scene.photos.locate.locate_settings import LOCATE
-from plan2scene.photos.locate.plan_view import room_shapes
+from plan2scene.photos.locate.plan_view import searched_shapes
 from plan2scene.photos.locate.search import HeightPrior, RoomSearch
+from plan2scene.photos.locate.seen_windows import with_seen_windows
 from plan2scene.photos.locate.spots import Turned, spots_of
 from plan2scene.photos.locate.which_room import WHICH
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.levels import with_ceilings
+from plan2scene.plans.usual_windows import guesses_windows
 
 _log = logging.getLogger("plan2scene")
 
@@ -79,7 +82,7 @@ def ceiling_height(
 
     def scores(height: float) -> list[dict[str, float]]:
         tall = with_ceilings(house, height)
-        shapes = room_shapes(tall)
+        shapes = searched_shapes(tall)
 
         def of_spot(number: int) -> dict[str, float]:
             return {
@@ -119,7 +122,7 @@ def measure_ceilings(
     *,
     threads: int = 1,
 ) -> House:
-    """Return a house with ceilings as high as its photos tell, where its plan does not.
+    """Return a house with ceilings as high and windows where its photos show, if its plan does not.
 
     `rooms_of_photo`, `masks_dir` and `threads` as of :func:`.locate_photos.locate_photos`.
     """
@@ -130,4 +133,8 @@ def measure_ceilings(
     if height is None:
         return house
     _log.info("ceilings at %.2f m", height)
-    return replace(with_ceilings(house, height), heights=FROM_PHOTOS)
+    house = replace(with_ceilings(house, height), heights=FROM_PHOTOS)
+    if not guesses_windows(house):
+        return house
+    found = locate_shots(house, read.shots, read.spots, read.turns, read.alike, threads)
+    return with_seen_windows(house, read.shots, found.poses)

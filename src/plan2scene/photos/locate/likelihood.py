@@ -18,7 +18,7 @@ import numpy as np
 from plan2scene.camera import Camera
 from plan2scene.photos.labels.palette import DOOR, LABELS_AND_OPENINGS, OTHER, WINDOW
 from plan2scene.photos.locate.locate_settings import LOCATE
-from plan2scene.photos.locate.plan_view import Hole, RoomShape, Sight
+from plan2scene.photos.locate.plan_view import UNDRAWN, Hole, RoomShape, Sight
 
 #: A door or a window, which of both is not known.
 OPENING = len(LABELS_AND_OPENINGS)
@@ -187,6 +187,21 @@ def agreement(
     return np.stack(totals, axis=1)
 
 
+def _undrawn_window(
+    profile: Profile, sight: Sight, index: np.ndarray, foot: np.ndarray, height: float
+) -> np.ndarray:
+    """Return by how much (n,) a window, or none, changes directions that may meet one."""
+    gains = [np.zeros(len(index))]
+    for ends in LOCATE.undrawn_m:
+        low, high = (np.maximum(profile.row((up - height) / sight.reach), foot) for up in ends)
+        window, wall = (
+            profile.between(kind, index, low, high)
+            for kind in (hole_class("window", "unknown"), ROOM["wall"])
+        )
+        gains.append(window - wall)
+    return np.asarray(np.max(gains, axis=0))
+
+
 def _through(
     profile: Profile,
     shapes: Mapping[str, RoomShape],
@@ -203,6 +218,8 @@ def _through(
     """
     bottom = np.maximum(profile.row((hole.bottom - height) / sight.reach), foot)
     top = np.maximum(profile.row((hole.top - height) / sight.reach), bottom)
+    if hole.kind == UNDRAWN:
+        return [_undrawn_window(profile, sight, index, foot, height)]
     wall = profile.between(ROOM["wall"], index, bottom, top)
     shut = profile.between(hole_class(hole.kind, "unknown"), index, bottom, top) - wall
     known = np.isfinite(sight.beyond)
@@ -223,15 +240,18 @@ def _through(
         at = np.flatnonzero(sight.beyond_hole == number)
         if not len(at):
             continue
+        undrawn = other.kind == UNDRAWN
+        ends = LOCATE.undrawn_m[0] if undrawn else (other.bottom, other.top)
         low, high = (
             np.clip(profile.row((up - height) / beyond[at]), far_foot[at], far_head[at])
-            for up in (other.bottom, other.top)
+            for up in ends
         )
         there, bare = (
             profile.between(hole_class(hole.kind, kind), index[at], low, high)
-            for kind in (other.kind, "wall")
+            for kind in ("window" if undrawn else other.kind, "wall")
         )
         # A leaf looks like a wall as often as not, and may be open.
-        total[at] += np.maximum(there - bare, 0.0) if other.kind == "door" else there - bare
+        sure = other.kind not in ("door", UNDRAWN)
+        total[at] += there - bare if sure else np.maximum(there - bare, 0.0)
     opened = np.where(known, total - wall, shut)
     return [opened] if hole.kind == "passage" else [shut, opened]

@@ -31,7 +31,7 @@ from plan2scene.photos.labels.palette import (
 )
 from plan2scene.photos.locate.likelihood import OPENING, Profile, log_table, make_profile
 from plan2scene.photos.locate.locate_settings import LOCATE, Grid
-from plan2scene.photos.locate.plan_view import room_shapes
+from plan2scene.photos.locate.plan_view import room_shapes, searched_shapes
 from plan2scene.photos.locate.pose import Pose, pose_to_json, turned
 from plan2scene.photos.locate.search import HeightPrior, Hypothesis, RoomSearch, View
 from plan2scene.photos.locate.seen_planes import shows_its_room
@@ -106,13 +106,14 @@ def locate_shots(
     spots are searched at a time; the result does not depend on it.
     """
     shapes = room_shapes(house)
+    searched_in = searched_shapes(house)
     openings = labelled_openings(shots.values())
     table = log_table(openings=openings != "nothing")
 
     def searches(spot: Spot, grid: Grid) -> list[RoomSearch]:
         views = [view_of(shots[name], table, quarters) for name, quarters in spot.quarters.items()]
         return [
-            RoomSearch(shapes, room_id, room_polygon(house.room(room_id)), views, grid)
+            RoomSearch(searched_in, room_id, room_polygon(house.room(room_id)), views, grid)
             for room_id in spot.rooms
         ]
 

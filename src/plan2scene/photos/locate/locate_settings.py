@@ -68,6 +68,9 @@ class LocateSettings:
         default_factory=lambda: {"door": 0.7, "window": 0.05, "passage": 0.85}
     )
 
+    #: Bottom and top of windows that a plan does not draw, metres: usual sizes.
+    undrawn_m: tuple[tuple[float, float], ...] = ((0.9, 2.1), (0.0, 2.1))
+
     # The grid of positions.
     #: Least distance of a camera from the walls on the grid and after refinement, metres.
     clearance_m: float = 0.15

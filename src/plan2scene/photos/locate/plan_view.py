@@ -6,14 +6,20 @@ Directions are azimuths in the plan, ``(x, z) = (sin a, cos a)``, radians.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
+from shapely.geometry import LineString
+from shapely.geometry.base import BaseGeometry
 
-from plan2scene.house import USUAL, House, Opening, Ring, Room, Wall
+from plan2scene.house import House, Opening, Ring, Room, Wall
 from plan2scene.photos.locate.locate_settings import LOCATE
 from plan2scene.plans.geometry import point_along, ring_edges
+from plan2scene.plans.usual_windows import USUAL_WINDOWS, built_area, guesses_windows
+
+#: Kind of hole that is none: there an outer wall may have windows that the plan does not draw.
+UNDRAWN = "undrawn"
 
 
 @dataclass(frozen=True)
@@ -25,7 +31,7 @@ class Hole:
     end: float
     bottom: float
     top: float
-    kind: str  # of house.OPENING_KINDS
+    kind: str  # of house.OPENING_KINDS, or UNDRAWN
     room_behind: str | None
     opening_id: str = ""
 
@@ -68,6 +74,36 @@ def room_shapes(house: House) -> dict[str, RoomShape]:
     """Return the shape of every room of a house, by id."""
     behind = _rooms_behind(house)
     return {room.id: _room_shape(house, room, behind) for room in house.rooms}
+
+
+def searched_shapes(house: House) -> dict[str, RoomShape]:
+    """Return :func:`room_shapes` for a search: what outer walls may have is `UNDRAWN` there.
+
+    Where nothing of a plan's windows is guessed, it draws all of them.
+    """
+    shapes = room_shapes(house)
+    if not guesses_windows(house):
+        return shapes
+    for _, storey in house.storeys():
+        built = built_area(storey.rooms)
+        for room in storey.rooms:
+            shape = shapes[room.id]
+            if not room.open_air:
+                shapes[room.id] = replace(shape, holes=(*shape.holes, *_undrawn(shape, built)))
+    return shapes
+
+
+def _undrawn(shape: RoomShape, built: BaseGeometry) -> Iterator[Hole]:
+    """Yield the stretches of a room's edges that nothing built is behind."""
+    for edge, (start, along, length) in enumerate(
+        zip(shape.start, shape.along, shape.length, strict=True)
+    ):
+        first = start + USUAL_WINDOWS.outside * shape.outward[edge]
+        behind = LineString([first, first + length * along]).difference(built)
+        for part in getattr(behind, "geoms", [behind]):
+            ends = np.sort((np.array(part.coords).reshape(-1, 2) - first) @ along)
+            if len(ends) and ends[-1] - ends[0] >= USUAL_WINDOWS.width[0]:
+                yield Hole(edge, ends[0], ends[-1], 0.0, shape.height, UNDRAWN, None)
 
 
 def dominant_direction(shape: RoomShape) -> float:
@@ -166,7 +202,7 @@ def _rooms_behind(house: House) -> dict[tuple[str, str], str]:
 def _holes(house: House, shape: RoomShape, behind: Mapping[tuple[str, str], str]) -> list[Hole]:
     """Return the openings of a room on its edges: those of its walls, and those that lead to it.
 
-    Guessed windows are none of them.
+    Guessed ones are none of them.
     """
     holes: list[Hole] = []
     named: set[str] = set()
@@ -174,10 +210,8 @@ def _holes(house: House, shape: RoomShape, behind: Mapping[tuple[str, str], str]
     for wall in [*own, *(wall for wall in house.walls if wall not in own)]:
         mine = shape.room_id in wall.room_ids
         for opening in wall.openings:
-            if opening.kind == "window" and house.windows == USUAL:
-                continue
             joins = (shape.room_id, opening.id) in behind
-            if opening.id in named or not (mine or joins):
+            if opening.guessed or opening.id in named or not (mine or joins):
                 continue
             hole = _placed(shape, wall, opening, behind.get((shape.room_id, opening.id)))
             if hole is not None:

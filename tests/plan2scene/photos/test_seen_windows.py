@@ -1,0 +1,80 @@
+"""Windows that photos show in a house whose plan draws none."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from box_room import SIZE, box_house, rendered
+from views import camera_looking
+
+from plan2scene.photos.camera.calibration import canonical
+from plan2scene.photos.labels.palette import WALL, WINDOW
+from plan2scene.photos.locate.locate_photos import Shot, locate_shots
+from plan2scene.photos.locate.plan_view import UNDRAWN, room_shapes, searched_shapes
+from plan2scene.photos.locate.seen_windows import with_seen_windows
+from plan2scene.plans.usual_windows import guesses_windows, with_usual_windows
+
+TRUE = box_house()
+#: Views that show the door or a window, with a corner.
+VIEWS = [
+    (-20.0, (3.2, 1.4, 0.7)),
+    (-40.0, (1.6, 1.5, 0.8)),
+    (115.0, (4.2, 1.4, 2.0)),
+    (125.0, (4.3, 1.5, 2.9)),
+    (-70.0, (1.0, 1.5, 2.9)),
+]
+FOCAL = SIZE[1] / 2 / np.tan(np.radians(80.0) / 2)
+
+
+def undrawn():
+    """Return the house as its plan draws it: with a door and no window."""
+    walls = tuple(
+        replace(wall, openings=tuple(o for o in wall.openings if o.kind != "window"))
+        for wall in TRUE.walls
+    )
+    return with_usual_windows(replace(TRUE, walls=walls))
+
+
+def shots(house, *, shown=True):
+    """Return photos of a house from places that are not told; no window is `shown` in them."""
+    found = {}
+    for number, (heading, eye) in enumerate(VIEWS):
+        camera = camera_looking(SIZE, heading_deg=heading, pitch_deg=3.0, focal=FOCAL)
+        labels = rendered(house, camera, np.array(eye))
+        labels[(labels == WINDOW) & (not shown)] = WALL
+        frame = camera.with_rotation(canonical(camera.matrix))
+        found[f"{number}.jpg"] = Shot(frame, labels, ("room",))
+    return found
+
+
+def test_windows_lie_where_photos_show_them():
+    house = undrawn()
+    assert guesses_windows(house)
+    photos = shots(TRUE)
+    seen = with_seen_windows(house, photos, locate_shots(TRUE, photos).poses)
+    assert not guesses_windows(seen)
+    true = {wall.id: [o for o in wall.openings if o.kind == "window"] for wall in TRUE.walls}
+    for wall in seen.walls:
+        windows = [o for o in wall.openings if o.kind == "window"]
+        assert len(windows) == len(true[wall.id])
+        for found, told in zip(windows, true[wall.id], strict=True):
+            for value in ("start", "end", "bottom", "top"):
+                assert getattr(found, value) == pytest.approx(getattr(told, value), abs=0.2)
+
+
+def test_rooms_without_a_window_in_photos_keep_their_guess():
+    house = undrawn()
+    photos = shots(house, shown=False)
+    poses = locate_shots(TRUE, photos).poses
+    assert with_seen_windows(house, photos, poses) == house
+    assert with_seen_windows(house, photos, {}) == house
+
+
+def test_only_walls_to_the_outside_may_have_windows_that_no_plan_draws():
+    shapes = searched_shapes(undrawn())
+    spans = [hole for hole in shapes["room"].holes if hole.kind == UNDRAWN]
+    assert {hole.edge for hole in spans} == {0, 1, 2, 3}
+    beside_store = next(hole for hole in spans if hole.edge == 1)
+    assert beside_store.start > 1.8  # the store is 2 m long
+    assert all(hole.kind != UNDRAWN for hole in searched_shapes(TRUE)["room"].holes)
+    assert room_shapes(TRUE)["room"].holes == searched_shapes(TRUE)["room"].holes
