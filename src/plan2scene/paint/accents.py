@@ -53,11 +53,20 @@ _LAMP = PaintPrior().lamp
 def find_accents(table: pd.DataFrame) -> list[tuple[str, str]]:
     """Return room and `walls` (ids on one plane, joined by ``|``) of the accents of a house.
 
+    A strong colour that is all that photos show of a room is that of the wall that they show.
     `table` holds rows of ``colours.parquet``.
     """
-    seen = table[(table["surface"] == "wall") & table["own"] & (table["walls"] != "")]
+    every = table[(table["surface"] == "wall") & table["own"]]
+    seen = every[every["walls"] != ""]
     accents = []
     for room_id, of_room in seen.groupby("room_id", sort=True):
+        whole = every[(every["room_id"] == room_id) & (every["weight"] >= _S.least)]
+        if len(walls := set(whole["walls"])) == 1 and "" not in walls:
+            elsewhere = every[every["room_id"] != room_id]
+            usual = _strength(elsewhere) if len(elsewhere) else 0.0
+            if _strength(whole) > max(_S.alone, _S.stronger * usual):
+                accents.append((str(room_id), walls.pop()))
+                continue
         while (walls := _strongest(of_room)) is not None:
             # The others are compared without it: beside a red wall a white one is as far apart.
             of_room = of_room[of_room["walls"] != walls]

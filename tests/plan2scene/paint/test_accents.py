@@ -75,6 +75,17 @@ def test_light_and_little_evidence_make_no_accent(tmp_path, planes):
     assert accents(tmp_path, planes) == []
 
 
+def test_a_strong_colour_that_is_all_that_is_seen_is_that_of_its_wall(tmp_path):
+    only = [seen("p.jpg", "w1", ORANGE)]
+    white = [replace(seen("q.jpg", "w9", WHITE), rooms=("b",))]
+    orange = [replace(seen("q.jpg", "w9", ORANGE), rooms=("b",))]
+    assert accents(tmp_path, only + white) == [("a", "w1")]
+    assert accents(tmp_path, [seen("p.jpg", "w1", LAMPLIT), *white]) == []
+    assert accents(tmp_path, [*only, seen("p.jpg", "w2", ORANGE, plane=1), *white]) == []
+    assert accents(tmp_path, [*only, seen("r.jpg", "", ORANGE), *white]) == []
+    assert accents(tmp_path, only + orange) == []  # as walls of this house are
+
+
 def test_a_white_wall_is_the_accent_of_a_room_of_a_colour(tmp_path):
     assert accents(tmp_path, photos(WHITE, BLUE, weight=0.02)) == [("a", "w1")]
 
