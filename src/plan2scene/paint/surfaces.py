@@ -284,15 +284,18 @@ def plain_whites(
     paint: Mapping[SurfaceKey, np.ndarray],
     white: frozenset[SurfaceKey],
     unseen: Iterable[SurfaceKey],
+    open_air: Collection[str] = (),
 ) -> set[SurfaceKey]:
     """Return which walls and ceilings of the `unseen` are white, as of :func:`read_paint`.
 
     A strong colour stays in the rooms that show it: what no photo shows has the paint of most known
-    surfaces of its kind where most have about one, as panelled rooms do; else it is white.
+    surfaces of its kind where most have about one, as panelled rooms do; else it is white. Rooms in
+    the `open_air` (ids) have no say.
     """
     whites = set()
+    indoors = [other for other in paint if other.room_id not in open_air]
     for key in unseen:
-        known = [other for other in paint if other.surface == key.surface]
+        known = [other for other in indoors if other.surface == key.surface]
         if key.surface not in ("wall", "ceiling"):
             continue
         if key in paint:

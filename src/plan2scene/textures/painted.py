@@ -124,7 +124,7 @@ def paint_textures(
     unseen = {key for key, entry in entries.items() if entry.get("observed") is False}
     alike = _other_bathrooms(bathrooms, entries, paints)
     unseen -= alike.keys()
-    whites = plain_whites(paints, white_surfaces, unseen)  # by what photos show
+    whites = plain_whites(paints, white_surfaces, unseen, open_air)  # by what photos show
     panels = _one_panelling(entries, paints, white_surfaces, unseen - paints.keys() - whites)
     for key, other in panels.items():
         tiles[key], paints[key] = tiles[other], paints[other]

@@ -62,6 +62,9 @@ def test_a_strong_colour_stays_in_its_room_unless_most_rooms_have_it():
     assert plain_whites(differ, frozenset(), unseen) == white
     panelled = {SurfaceKey(name, "wall"): wood * (0.8 + 0.1 * k) for k, name in enumerate("bcd")}
     assert plain_whites(one | panelled, frozenset(), unseen) == set()
+    balconies = {SurfaceKey(name, "wall"): np.full(3, 0.8) for name in "efgh"}
+    assert plain_whites(panelled | balconies, frozenset(balconies), unseen) == white
+    assert plain_whites(panelled | balconies, frozenset(balconies), unseen, "efgh") == set()
 
 
 @pytest.mark.parametrize("rooms", ["ab", "abc"])

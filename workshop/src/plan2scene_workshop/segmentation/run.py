@@ -172,11 +172,16 @@ def _begun(settings: SegmentationSettings, seed: int) -> SegmentationNet:
 
 
 def _with_imagenet(settings: SegmentationSettings) -> ImagenetSegmentationNet:
-    """Return a network of the weights to start from, to which that of ImageNet adds nothing yet."""
+    """Return a network of the weights to start from.
+
+    Where these know no network of ImageNet, it adds nothing yet.
+    """
     expected = "training.segmentation.start: weights of an ensemble"
     if settings.start is None:
         raise InputError(expected, "null")
     ensemble = load_segmenter(settings.start).network
+    if isinstance(ensemble, ImagenetSegmentationNet):
+        return ensemble
     if not isinstance(ensemble, Ensemble) or not 0 <= settings.member < len(ensemble.members):
         raise InputError(f"{expected} of more than {settings.member} networks", settings.start)
     own = cast("SegmentationNet", ensemble.members[settings.member])
