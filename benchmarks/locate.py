@@ -5,7 +5,8 @@ Below the table, how high ceilings are and how high photos say where the plan do
     python benchmarks/locate.py RESULTS --synthetic ROOT [--split test] [--masks own truth]
     python benchmarks/locate.py RESULTS --flat FOLDER [--flat FOLDER ...] [--masks own truth]
 
-``--without-rooms`` looks for each photo in all rooms, as for a photo table that names none.
+``--without-rooms`` looks for each photo in all rooms, as for a photo table that names none;
+``--without-windows`` takes the windows from the plans, as many are drawn.
 
 RESULTS (``results/{dataset}``) has the houses' scene.json and masks; only the place is looked for
 anew. ROOT is a synthetic data set with truth (``docs/conventions.md``). A flat's FOLDER, named as
@@ -19,14 +20,14 @@ import argparse
 import csv
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from PIL import Image
 
 from plan2scene.camera import Camera
-from plan2scene.house import DEFAULT_HEIGHT
+from plan2scene.house import DEFAULT_HEIGHT, House
 from plan2scene.io import read_json
 from plan2scene.photos.labels.palette import (
     PROBABILITIES,
@@ -40,6 +41,7 @@ from plan2scene.photos.locate.locate_photos import Shot, locate_shots, read_shot
 from plan2scene.photos.locate.pose import LOCATED
 from plan2scene.plans.levels import with_ceilings
 from plan2scene.plans.scene_json import read_scene_json
+from plan2scene.plans.usual_windows import with_usual_windows
 from plan2scene.stage_json import read_stage_json
 
 #: A heading nearer to the truth than this is right, degrees.
@@ -98,11 +100,19 @@ def flat_truth(folder: Path) -> Iterator[tuple[str, dict[str, Truth]]]:
 
 
 def locate_house(
-    results: Path, name: str, truths: Mapping[str, Truth], kind: str, *, rooms_known: bool
+    results: Path,
+    name: str,
+    truths: Mapping[str, Truth],
+    kind: str,
+    *,
+    rooms_known: bool,
+    windows_drawn: bool,
 ) -> list[Found]:
     """Return how the photos of a house are found by their own masks or the true ones."""
     folder = results / "houses" / name
     house = read_scene_json(folder / "scene.json", name)
+    if not windows_drawn:
+        house = with_usual_windows(without_windows(house))
     rooms = tuple(room.id for room in house.rooms)
     cameras = read_json(folder / "masks" / "cameras.json")
     shots = {}
@@ -138,6 +148,15 @@ def locate_house(
     return found
 
 
+def without_windows(house: House) -> House:
+    """Return a house as a plan that draws no window has it."""
+    walls = (
+        replace(wall, openings=tuple(o for o in wall.openings if o.kind != "window"))
+        for wall in house.walls
+    )
+    return replace(house, walls=tuple(walls))
+
+
 def ceilings(results: Path, name: str, truths: Mapping[str, Truth], *, rooms_known: bool) -> str:
     """Return a line: how high a house is, and how high its photos say, metres."""
     folder = results / "houses" / name
@@ -170,6 +189,7 @@ def main() -> None:
     parser.add_argument("--flat", type=Path, action="append", default=[])
     parser.add_argument("--masks", choices=("own", "truth"), nargs="+", default=["own", "truth"])
     parser.add_argument("--without-rooms", action="store_true", help="no table of rooms")
+    parser.add_argument("--without-windows", action="store_true", help="plans draw none")
     parser.add_argument("--each", action="store_true", help="one line per photo too")
     given = parser.parse_args()
     sets: dict[str, Callable[[], Iterator[tuple[str, dict[str, Truth]]]]] = {}
@@ -193,7 +213,12 @@ def main() -> None:
                 for house, truths in houses()
                 if (given.results / "houses" / house / "masks").is_dir()
                 for item in locate_house(
-                    given.results, house, truths, kind, rooms_known=not given.without_rooms
+                    given.results,
+                    house,
+                    truths,
+                    kind,
+                    rooms_known=not given.without_rooms,
+                    windows_drawn=not given.without_windows,
                 )
             ]
             print(f"| {name} | {kind} | {figures(found, time.process_time() - start)} |")

@@ -80,7 +80,8 @@ def _strongest(of_room: pd.DataFrame) -> str | None:
     for walls, mine in of_room.groupby("walls", sort=True):
         rest = of_room[of_room["walls"] != walls]
         both = list(_differences(mine, rest))
-        if not both:
+        wooden = _is_wood(mine)
+        if not both or (wooden and _is_wood(rest)):  # one panelling, in light and shade
             continue
         weights, away = (np.array(part) for part in zip(*both, strict=True))
         mean = np.average(away, axis=0, weights=weights.min(axis=1) ** 0.5)
@@ -89,7 +90,7 @@ def _strongest(of_room: pd.DataFrame) -> str | None:
         agree = float(np.quantile(away @ mean / length**2, 0.5, method="lower")) if length else 0.0
         least = _S.apart
         if len(both) == 1:
-            least = _S.wooden if is_wood(rgb_to_lab(linear_to_srgb(_usual(mine)))) else _S.alone
+            least = _S.wooden if wooden else _S.alone
         own, others = weights.sum(axis=0)
         own_strength = _strength(mine)
         strong = mean[0] < -_S.dark or own_strength > _S.stronger * _strength(rest)
@@ -128,6 +129,11 @@ def _scaled(linear: np.ndarray) -> np.ndarray:
 def _strength(rows: pd.DataFrame) -> float:
     """Return how strong the usual colour of rows is, in standard deviations."""
     return float(np.linalg.norm(_scaled(_usual(rows))[1:]))
+
+
+def _is_wood(rows: pd.DataFrame) -> bool:
+    """Return whether the usual colour of rows is one of bare wood."""
+    return bool(is_wood(rgb_to_lab(linear_to_srgb(np.minimum(_usual(rows), 1.0)))))
 
 
 def _usual(rows: pd.DataFrame) -> np.ndarray:

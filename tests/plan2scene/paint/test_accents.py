@@ -64,6 +64,7 @@ def test_a_wall_of_another_paint_is_an_accent(tmp_path, planes):
     [
         photos(SHADE),  # light and shade on one paint
         photos(LAMPLIT),  # lamp and daylight
+        photos((0.5, 0.2, 0.1), (0.8, 0.55, 0.3), count=3),  # boards in shade
         photos(ORANGE, own=False),  # through a door
         [replace(plane, walls=()) for plane in photos(ORANGE)],
         photos(ORANGE, weight=0.005),
