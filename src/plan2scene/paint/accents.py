@@ -61,11 +61,11 @@ def find_accents(table: pd.DataFrame) -> list[tuple[str, str]]:
     accents = []
     for room_id, of_room in seen.groupby("room_id", sort=True):
         whole = every[(every["room_id"] == room_id) & (every["weight"] >= _S.least)]
-        if len(walls := set(whole["walls"])) == 1 and "" not in walls:
+        if len(only := set(whole["walls"])) == 1 and "" not in only:
             elsewhere = every[every["room_id"] != room_id]
             usual = _strength(elsewhere) if len(elsewhere) else 0.0
             if _strength(whole) > max(_S.alone, _S.stronger * usual):
-                accents.append((str(room_id), walls.pop()))
+                accents.append((str(room_id), only.pop()))
                 continue
         while (walls := _strongest(of_room)) is not None:
             # The others are compared without it: beside a red wall a white one is as far apart.

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from shapely.geometry import Point as ShapelyPoint
+from shapely.geometry import LineString
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
@@ -36,6 +36,7 @@ class UsualWindows:
     #: Gaps between rooms narrower than twice this are walls and voids of the house.
     within: float = 0.75
     outside: float = 0.3  #: beyond the line of a wall is what it parts from the room
+    view: float = 2.0  #: least distance from a guessed window to the next wall outside
 
 
 USUAL_WINDOWS = UsualWindows()
@@ -85,8 +86,9 @@ def _chosen(
         low, high = max(_free(wall), key=lambda span: span[1] - span[0])
         if high - low < USUAL_WINDOWS.width[0] or not set(wall.room_ids) <= {room.id, *open_air}:
             continue
-        beyond = USUAL_WINDOWS.outside * inner_normal(wall, polygon)
-        if not built.contains(ShapelyPoint(point_along(wall, (low + high) / 2) - beyond)):
+        middle, inwards = point_along(wall, (low + high) / 2), inner_normal(wall, polygon)
+        ends = (USUAL_WINDOWS.outside, USUAL_WINDOWS.view)
+        if not LineString([middle - away * inwards for away in ends]).intersects(built):
             found.append((wall, (low, high)))
     found.sort(key=lambda item: item[1][0] - item[1][1])
     ways = [np.subtract(wall.end, wall.start) / wall.length for wall, _ in found]

@@ -62,6 +62,9 @@ def test_walls_within_the_house_and_houses_with_windows_get_none():
     glazed = with_usual_windows(house)
     assert {wall.id for _, wall, _ in windows(glazed)} == {"a_w3", "b_w1"}
     assert with_usual_windows(glazed) == glazed
+    near = replace(right, rings=(((4.8, 0), (7.8, 0), (7.8, 4), (4.8, 4)),))  # a narrow yard
+    yard = House("yard", (deep, near), (*walls_of(deep), *walls_of(near)))
+    assert {wall.id for _, wall, _ in windows(with_usual_windows(yard))} == {"a_w3", "b_w1"}
 
 
 def test_a_drawing_keeps_them_in_its_scene_and_photos_are_not_compared_with_them(tmp_path):
