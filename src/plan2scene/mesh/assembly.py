@@ -12,7 +12,7 @@ from shapely.ops import unary_union
 
 from plan2scene.house import House, Level, Stairs
 from plan2scene.mesh.fittings import objects
-from plan2scene.mesh.joinery import LEAF_COLOUR, fixtures, is_hatch
+from plan2scene.mesh.joinery import LEAF_COLOUR, fixtures, is_glazed, is_hatch
 from plan2scene.mesh.parts import GRID_DECIMALS, MeshPart, numbered
 from plan2scene.mesh.stairs import handrails, railing, stair_parts, well_railings
 from plan2scene.mesh.structure import (
@@ -89,15 +89,23 @@ def build_storey(
     usual = leaves.get("", LEAF_COLOUR)
     swinging = [portal for portal in portals if portal.hole.opening.kind == "door"]
     doors = Counter(room for portal in swinging for room in (portal.side.room_id, portal.other))
+    rooms = {room.id: room for room in house.rooms}
     indoors = {room.id for room in house.rooms if not room.open_air}
     for portal in portals:
         strip = threshold(portal)
         leaf = leaves.get(portal.hole.opening.id, usual)
         # Leaves open into rooms, not into the halls that join them.
         inwards = portal.other is None or doors[portal.side.room_id] <= doors[portal.other]
-        rooms = (portal.side.room_id, portal.other)
-        trim = next((trims[room] for room in rooms if room in trims), all_trim)
-        made = fixtures(portal, leaf, trim, inwards=inwards, hatch=is_hatch(portal, indoors))
+        both = (portal.side.room_id, portal.other)
+        trim = next((trims[room] for room in both if room in trims), all_trim)
+        made = fixtures(
+            portal,
+            leaf,
+            trim,
+            inwards=inwards,
+            hatch=is_hatch(portal, indoors),
+            glazed=is_glazed(portal, rooms),
+        )
         parts.extend(([strip] if strip is not None else []) + made)
     parts.extend(objects(house, sides, polygons))
     if below is not None:

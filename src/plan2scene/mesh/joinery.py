@@ -6,7 +6,7 @@ Sizes in metres are those of ordinary joinery; the opening gives width and heigh
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +19,7 @@ from plan2scene.colour import (
     rgb_to_lab,
     srgb_to_linear,
 )
+from plan2scene.house import Room
 from plan2scene.mesh.parts import Colour, MeshPart, PartBuilder
 from plan2scene.plans.wall_sides import Portal
 from plan2scene.seeds import generator
@@ -29,6 +30,8 @@ LEAF_COLOUR: Colour = (236, 232, 224)
 PANEL_SHADE = 0.955
 METAL_COLOUR: Colour = (150, 150, 152)
 LINING_COLOUR: Colour = (238, 235, 229)
+#: Types of rooms from which one sees a balcony or terrace through its door.
+GLAZED = frozenset({"Reception", "Bedroom", "Kitchen"})
 
 
 @dataclass(frozen=True)
@@ -70,17 +73,18 @@ def fixtures(
     *,
     inwards: bool = True,
     hatch: bool = False,
+    glazed: bool = False,
 ) -> list[MeshPart]:
     """Return the parts of a door, window or passage (none when it is under 15 cm wide or high).
 
     `leaf` is the colour of a door's leaves, `trim` that of frames and linings. Leaves open into the
     portal's room where `inwards`, else into the other. A window is a `hatch` between two rooms: a
-    lining and a board, no glass.
+    lining and a board, no glass. A `glazed` door is shut.
     """
     hole = portal.hole
     if hole.right - hole.left < 0.15 or hole.top - hole.bottom < 0.15:
         return []
-    if hole.opening.kind == "window":
+    if hole.opening.kind == "window" or glazed:
         return _window(portal, trim or FRAME_COLOUR, hatch=hatch)
     return [_door(portal, leaf, trim, 1.0 if inwards else -1.0)]
 
@@ -89,6 +93,15 @@ def is_hatch(portal: Portal, indoors: Collection[str]) -> bool:
     """Return whether an opening is a window between two rooms, `indoors` by their ids."""
     window = portal.hole.opening.kind == "window"
     return window and portal.side.room_id in indoors and portal.other in indoors
+
+
+def is_glazed(portal: Portal, rooms: Mapping[str, Room]) -> bool:
+    """Return whether a door leads to a balcony or terrace from one of the `rooms` lived in."""
+    if portal.hole.opening.kind != "door" or portal.other is None:
+        return False
+    joined = rooms[portal.side.room_id], rooms[portal.other]
+    indoors = [room for room in joined if not room.open_air]
+    return len(indoors) == 1 and bool(GLAZED & set(indoors[0].types))
 
 
 def _centre(portal: Portal) -> np.ndarray:
@@ -227,7 +240,7 @@ def _veneer(
 
 
 def _window(portal: Portal, colour: Colour, *, hatch: bool) -> list[MeshPart]:
-    """Return a window's frame with mullions, transom and sill board, and its glass."""
+    """Return the frame of a window or glazed door, with mullions and sill board, and its glass."""
     builder, glass, extras = PartBuilder(), PartBuilder(), _extras(portal)
     width, low, high = portal.width, portal.hole.bottom, portal.hole.top
     bar = min(JOINERY.frame, 0.12 * min(width, high - low))
@@ -236,7 +249,7 @@ def _window(portal: Portal, colour: Colour, *, hatch: bool) -> list[MeshPart]:
     if low > JOINERY.low_sill:
         reach, back = _depth(portal) + 0.04, -_depth(portal) - 0.04 if hatch else 0.0
         builder.box(frame, (-0.03, low - 0.03, back), (width + 0.03, low, reach), colour)
-    name = f"{portal.side.room_id}/window/{portal.hole.opening.id}"
+    name = f"{portal.side.room_id}/{portal.hole.opening.kind}/{portal.hole.opening.id}"
     if hatch:
         return [builder.build(name, extras=extras)]
     count = max(1, round((width - bar) / JOINERY.pane))

@@ -141,6 +141,22 @@ def test_a_window_between_two_rooms_is_a_hatch_unless_one_is_outside(gap_house, 
     assert all({e["room_id"], e["leads_to"]} == {"a", "b"} for e in found)
 
 
+@pytest.mark.parametrize(
+    ("kinds", "glazed"),
+    [(("Bedroom", "Balcony"), True), (("Corridor", "Terrace"), False), (("Bedroom",) * 2, False)],
+)
+def test_the_door_of_a_lived_in_room_to_a_balcony_is_of_glass(gap_house, kinds, glazed):
+    rooms = (
+        dataclasses.replace(room, types=(kind,))
+        for room, kind in zip(gap_house.rooms, kinds, strict=True)
+    )
+    parts = assemble(dataclasses.replace(gap_house, rooms=tuple(rooms))).parts
+    panes = [part for part in parts if part.extras["kind"] == "glass"]
+    assert bool(panes) is glazed
+    for pane in panes:
+        assert pane.mesh.bounds[0][1] < 0.1 and pane.mesh.bounds[1][1] > 1.9  # down to the floor
+
+
 def test_a_leaf_opens_into_the_room_with_fewer_doors(gap_house):
     def reach(house):
         points = by_name(house)["a/door/ha"].mesh.vertices[:, 0]
