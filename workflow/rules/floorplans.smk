@@ -52,7 +52,7 @@ rule ceilings:
         f"logs/{DATASET}/ceilings/{{house}}.log",
     benchmark:
         f"logs/{DATASET}/benchmarks/ceilings/{{house}}.tsv"
-    # Heights of ceilings, which the plans of these houses may lack, by their photos.
+    # Heights of ceilings and windows, which the plans of these houses may lack, by their photos.
     wildcard_constraints:
         house="|".join(map(re.escape, HOUSES_WITHOUT_HEIGHTS)) or "(?!)",
     conda:
@@ -62,6 +62,7 @@ rule ceilings:
         mem_mb=worker_memory(1000, 300),
     params:
         traced=is_traced,
+        name_hints=config["photos"]["name_hints"],
         contents=contents_of(assignment_of),
         code=rule_code("ceilings"),
     script:

@@ -11,5 +11,11 @@ with job(snakemake.log[0]):
     assigned = rooms_of_photos(
         snakemake.input.assignment or None, house, traced=snakemake.params.traced
     )
-    house = measure_ceilings(house, assigned, snakemake.input.masks, threads=snakemake.threads)
+    house = measure_ceilings(
+        house,
+        assigned,
+        snakemake.input.masks,
+        name_hints=snakemake.params.name_hints,
+        threads=snakemake.threads,
+    )
     write_scene_json(house, snakemake.output[0])

@@ -120,15 +120,16 @@ def measure_ceilings(
     rooms_of_photo: Mapping[str, Sequence[str]],
     masks_dir: str | Path,
     *,
+    name_hints: bool = True,
     threads: int = 1,
 ) -> House:
     """Return a house with ceilings as high and windows where its photos show, if its plan does not.
 
-    `rooms_of_photo`, `masks_dir` and `threads` as of :func:`.locate_photos.locate_photos`.
+    Arguments as of :func:`.locate_photos.locate_photos`.
     """
     if house.heights != USUAL:
         return house
-    read = read_shots(house, rooms_of_photo, masks_dir)
+    read = read_shots(house, rooms_of_photo, masks_dir, name_hints=name_hints)
     height = ceiling_height(house, read.shots, read.spots, threads)
     if height is None:
         return house
