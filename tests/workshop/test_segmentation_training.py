@@ -181,6 +181,10 @@ def test_a_network_of_imagenet_adds_to_one_of_the_ensemble_that_training_starts_
     assert all(torch.equal(v, own[k]) for k, v in found.state_dict().items() if "stage" in k)
     added = list(found.adapters[4].children())[-1]
     assert added.bias.abs().max() > 0.5  # type: ignore[union-attr, operator]
+    again = dataclasses.replace(settings, start=str(model), fresh_learning_rate=0.0)
+    train_segmentation(data, start, card, settings=again, seed=1)
+    bias = list(load_segmenter(start).network.adapters[4].children())[-1].bias  # type: ignore[operator, union-attr]
+    assert torch.allclose(bias, added.bias, atol=0.1)  # type: ignore[union-attr, arg-type, operator]
 
 
 def test_normals_depth_and_openings_are_read_where_there_are_some(tmp_path: Path) -> None:
