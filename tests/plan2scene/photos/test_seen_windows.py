@@ -62,6 +62,16 @@ def test_windows_lie_where_photos_show_them():
                 assert getattr(found, value) == pytest.approx(getattr(told, value), abs=0.2)
 
 
+def test_a_window_on_an_edge_without_a_wall_is_left_out():
+    photos = shots(TRUE)
+    poses = locate_shots(TRUE, photos).poses
+    house = undrawn()
+    open_side = replace(house, walls=tuple(wall for wall in house.walls if wall.id != "w3"))
+    seen = with_seen_windows(open_side, photos, poses)
+    windows = {w.id for w in seen.walls for o in w.openings if o.kind == "window"}
+    assert windows == {"w2"}
+
+
 def test_rooms_without_a_window_in_photos_keep_their_guess():
     house = undrawn()
     photos = shots(house, shown=False)

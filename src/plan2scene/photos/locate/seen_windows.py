@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 
+from plan2scene.errors import InputError
 from plan2scene.house import House, Wall
 from plan2scene.photos.labels.palette import WINDOW
 from plan2scene.photos.locate.locate_photos import Shot
@@ -65,12 +67,12 @@ def with_seen_windows(house: House, shots: Mapping[str, Shot], poses: Mapping[st
     placed: dict[str, Wall] = {}
     for room_id, segments in found.items():
         own = [wall for wall in walls if room_id in wall.room_ids]
-        named = [
-            replace(segment, id=f"seen_window_{len(placed)}_{k}")
-            for k, segment in enumerate(segments)
-        ]
-        source = Source("photos", house.id)
-        placed |= {wall.id: wall for wall in place_openings(source, own, named, tolerance=0.5)}
+        for number, segment in enumerate(segments):
+            named = replace(segment, id=f"seen_window_{len(placed)}_{number}")
+            # One beside no wall is left out: the edge of a room may have several, or none.
+            with suppress(InputError):
+                own = place_openings(Source("photos", house.id), own, [named], tolerance=0.5)
+        placed |= {wall.id: wall for wall in own}
     return replace(house, walls=tuple(placed.get(wall.id, wall) for wall in walls))
 
 
