@@ -69,6 +69,8 @@ def _opening_entries(house: House) -> list[dict[str, Any]]:
         polygons = {room.id: room_polygon(room) for room in storey.rooms}
         for portal in find_openings(storey, room_sides(storey, polygons), polygons).portals:
             wall, opening = portal.side.wall, portal.hole.opening
+            if opening.guessed:  # as no plan draws it; an import guesses it again
+                continue
             ends = np.array([point_along(wall, s) for s in (opening.start, opening.end)])
             if portal.other and len(wall.room_ids) == 1 and portal.depth <= 2 * SNAP_TOLERANCE:
                 ends = _midway(ends, portal.back)

@@ -11,7 +11,7 @@ from plan2scene.plans.plan_json import house_of_plan
 from plan2scene.plans.validate import house_faults
 from plan2scene_app.plan_writer import house_to_plan
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[2]
 DEMO = sorted((ROOT / "resources" / "demo").glob("archs_no_objects/*/*.scene.json"))
 
 
@@ -30,6 +30,15 @@ def test_small_houses_come_back(name, request):
     assert again.rooms == house.rooms
     assert openings(again) == openings(house)
     assert again.doors == house.doors
+
+
+def test_guessed_openings_stay_guesses(l_house):
+    guesses = (
+        replace(w, openings=tuple(replace(o, guessed=o.kind == "window") for o in w.openings))
+        for w in l_house.walls
+    )
+    plan = house_to_plan(replace(l_house, walls=tuple(guesses)))
+    assert [opening["id"] for opening in plan["openings"]] == ["front"]
 
 
 @pytest.mark.parametrize("own_ids", [False, True])

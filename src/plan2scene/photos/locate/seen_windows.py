@@ -66,7 +66,7 @@ def with_seen_windows(house: House, shots: Mapping[str, Shot], poses: Mapping[st
     ]
     placed: dict[str, Wall] = {}
     for room_id, segments in found.items():
-        own = [wall for wall in walls if room_id in wall.room_ids]
+        own = [placed.get(wall.id, wall) for wall in walls if room_id in wall.room_ids]
         for number, segment in enumerate(segments):
             named = replace(segment, id=f"seen_window_{len(placed)}_{number}")
             # One beside no wall is left out: the edge of a room may have several, or none.
