@@ -219,9 +219,9 @@ class House:
     of walls and openings are above the floor of their rooms' level. `accents` are the walls that
     have a texture of their own on one side. `door_colours` are the sRGB
     colours of door leaves by the id of their opening, `trim_colours` those of skirting and frames
-    by room; that of the id "" holds for all others. `name` is what people call the house.
-    `heights` says where those of its ceilings come from: empty for the plan, `USUAL` where that
-    gives none, `FROM_PHOTOS` where photos then told them.
+    by room; that of the id "" holds for all others. `stair_colours` are those of steps by flight.
+    `name` is what people call the house. `heights` says where those of its ceilings come from:
+    empty for the plan, `USUAL` where that gives none, `FROM_PHOTOS` where photos then told them.
     """
 
     id: str
@@ -235,6 +235,7 @@ class House:
     accents: tuple[SurfaceKey, ...] = ()
     door_colours: tuple[tuple[str, tuple[int, int, int]], ...] = ()
     trim_colours: tuple[tuple[str, tuple[int, int, int]], ...] = ()
+    stair_colours: tuple[tuple[str, tuple[int, int, int]], ...] = ()
     name: str = ""
     heights: str = ""
     warnings: tuple[str, ...] = field(default=(), compare=False)

@@ -82,9 +82,10 @@ def add_railing(builder: PartBuilder, frame: Frame, top: float = RAILING.height)
 def stair_parts(house: House, stairs: Iterable[Stairs]) -> list[MeshPart]:
     """Return the steps of flights and the sides of their wells, floors of their level at 0."""
     parts = []
+    colours = dict(house.stair_colours)
     for flight in stairs:
         rise = house.rise_of(flight)
-        parts.append(_steps(flight, rise))
+        parts.append(_steps(flight, rise, colours.get(flight.id, WOOD)))
         room = flight.room_ids[0]
         ceiling = None if room is None else house.room(room).height
         if house.level_above(flight.level) is not None and ceiling is not None and ceiling < rise:
@@ -110,12 +111,12 @@ def _axes(stairs: Stairs) -> np.ndarray:
     return np.array([[dx, 0.0, dz], [0.0, 1.0, 0.0], [-dz, 0.0, dx], [x, 0.0, z]])
 
 
-def _steps(stairs: Stairs, rise: float) -> MeshPart:
+def _steps(stairs: Stairs, rise: float, colour: Colour) -> MeshPart:
     """Return the part ``{room}/stairs/{id}``: a box each step, the last as high as the rise."""
     builder, axes = PartBuilder(), _axes(stairs)
     half, deep = stairs.width / 2, stairs.length / step_count(rise)
     for k, (_, low, high) in enumerate(step_areas(stairs, rise)):
-        builder.box(axes, (k * deep, low, -half), ((k + 1) * deep, high, half), WOOD)
+        builder.box(axes, (k * deep, low, -half), ((k + 1) * deep, high, half), colour)
     room, leads_to = stairs.room_ids
     extras = {"kind": "stairs", "category": "stairs", "stairs_id": stairs.id}
     if room is not None:

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import hashlib
 import logging
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from plan2scene.colour import as_uint8, linear_to_srgb, srgb_to_linear
 from plan2scene.errors import InputError
 from plan2scene.house import House, SurfaceKey
-from plan2scene.images import png_bytes, read_image
+from plan2scene.images import image_from_bytes, png_bytes, read_image
 from plan2scene.stage_json import read_stage_json
 
 #: Colours of surfaces that have no texture, sRGB 0..255.
@@ -101,8 +102,8 @@ def load_textures(folder: str | Path, house: House) -> dict[SurfaceKey, TileText
 def textured(folder: str | Path, house: House) -> tuple[House, dict[SurfaceKey, TileTexture]]:
     """Return a house with what a folder knows of it, and all its textures.
 
-    That is the accent walls that it has textures of, and the colours of door leaves and trim
-    (``doors.json``, ``trim.json``). As :func:`load_textures`.
+    That is the accent walls that it has textures of, the colours of door leaves and trim
+    (``doors.json``, ``trim.json``), and those of stairs. As :func:`load_textures`.
     """
     entries = texture_index(folder, house)
     sides = (
@@ -111,7 +112,25 @@ def textured(folder: str | Path, house: House) -> tuple[House, dict[SurfaceKey, 
     accents = tuple(key for key in sides if "/".join(key) in entries)
     doors, trim = (_colours(Path(folder), kind, house) for kind in ("doors", "trim"))
     house = replace(house, accents=accents, door_colours=doors, trim_colours=trim)
-    return house, load_textures(folder, house)
+    textures = load_textures(folder, house)
+    return replace(house, stair_colours=tuple(_stair_colours(house, textures))), textures
+
+
+def _stair_colours(
+    house: House, textures: Mapping[SurfaceKey, TileTexture]
+) -> Iterator[tuple[str, tuple[int, int, int]]]:
+    """Yield the sRGB colours of stairs by id: steps are of the floor that they lead to.
+
+    Of the one that they start from where photos show that alone.
+    """
+    for flight in house.stairs:
+        ends = (SurfaceKey(room, "floor") for room in reversed(flight.room_ids) if room)
+        floors = [textures[key] for key in ends if key in textures]
+        seen = [tile for tile in floors if tile.observed]
+        for tile in (seen or floors)[:1]:
+            mean = srgb_to_linear(image_from_bytes(tile.png)).mean(axis=(0, 1))
+            r, g, b = as_uint8(linear_to_srgb(mean)).tolist()
+            yield flight.id, (r, g, b)
 
 
 def _colours(folder: Path, kind: str, house: House) -> tuple[tuple[str, tuple[int, int, int]], ...]:

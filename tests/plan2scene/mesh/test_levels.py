@@ -7,15 +7,20 @@ import pytest
 import trimesh
 from glb_file import chunks
 
+from plan2scene.house import SurfaceKey
+from plan2scene.images import write_png
+from plan2scene.io import write_json
 from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.glb import write_glb
 from plan2scene.mesh.rays import Rays
 from plan2scene.mesh.structure import CAP_COLOUR
+from plan2scene.mesh.texture_files import textured
 from plan2scene.plans.geometry import walls_of_rooms
 from plan2scene.plans.plan_json import house_of_plan
 from plan2scene_app.exports.solids import house_solids
 
 WELL = 0.9 * 3.6
+RED, GREY = (140, 20, 30), (90, 90, 90)
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +56,21 @@ def test_steps_reach_from_one_floor_to_the_next(parts):
     tops = np.unique(np.round(stairs.mesh.vertices[stairs.mesh.vertex_normals[:, 1] > 0.9, 1], 4))
     assert len(tops) == 15
     assert np.diff(tops) == pytest.approx(2.8 / 15, abs=1e-3)
+
+
+@pytest.mark.parametrize(("seen", "covered"), [("landing", RED), ("hall", GREY), ("", RED)])
+def test_steps_have_the_colour_of_the_floor_that_they_lead_to(house, tmp_path, seen, covered):
+    floors = {"landing": RED, "hall": GREY}
+    entry = {"size_m": 1.0, "substance": "carpet", "source": "crops"}
+    surfaces = {}
+    for room, colour in floors.items():
+        surfaces[f"{room}/floor"] = {**entry, "observed": room == seen}
+        tile = np.full((8, 8, 3), colour, np.uint8)
+        write_png(tmp_path / f"{SurfaceKey(room, 'floor').filename}.png", tile)
+    write_json(tmp_path / "textures.json", {"method": "toy", "surfaces": surfaces})
+    shown, _ = textured(tmp_path, house)
+    made = {part.name: part for part in assemble(shown).parts}["hall/stairs/stairs"]
+    assert np.unique(made.colours, axis=0).tolist() == [list(covered)]
 
 
 def test_one_sees_up_through_the_well_and_nowhere_else(parts):
