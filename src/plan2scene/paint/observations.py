@@ -30,6 +30,9 @@ WHOLE = 0.02
 GLIMPSE = 2e-3
 #: Share of what is seen whose luminance is most alike: the rest is shadow, glare, other things.
 ALIKE = 0.5
+#: Share of a floor's pixels, the darkest, that tells nothing of its hue. Chosen on a real listing;
+#: three others, two real flats and the demo report (development).
+DARKEST = 0.1
 _COLUMNS = ["photo", "room_id", "surface", "plane", "own", "walls", "weight", "colours"]
 
 
@@ -133,7 +136,8 @@ def usual_colour(shares: Iterable[np.ndarray], weights: Iterable[float]) -> np.n
 def matte_colour(shares: Iterable[np.ndarray], weights: Iterable[float]) -> np.ndarray:
     """Return :func:`usual_colour` (3,) with the hue of the darker half: glare adds the light's own.
 
-    Dichromatic reflection (Shafer 1985, DOI 10.1002/col.5080100409). Parameters as there.
+    Dichromatic reflection (Shafer 1985, DOI 10.1002/col.5080100409). The `DARKEST` lies in the
+    shadow of furniture, whose colour it has. Parameters as there.
     """
     shares, weights = list(shares), list(weights)
     usual = usual_colour(shares, weights)
@@ -142,7 +146,8 @@ def matte_colour(shares: Iterable[np.ndarray], weights: Iterable[float]) -> np.n
         [np.full(len(s), w / len(s)) for s, w in zip(shares, weights, strict=True)]
     )
     order = np.argsort(colours @ LUMINANCE, kind="stable")
-    dark = order[np.cumsum(weight[order]) <= weight.sum() / 2]
+    ends = np.cumsum(weight[order]) / weight.sum()
+    dark = order[(ends > DARKEST) & (ends <= 0.5)]
     hue = np.average(colours[dark], axis=0, weights=weight[dark])
     return np.asarray(hue * (usual @ LUMINANCE) / max(hue @ LUMINANCE, 1e-12))
 

@@ -44,6 +44,13 @@ def test_glare_of_a_window_does_not_wash_out_a_floor():
     assert found @ LUMINANCE == pytest.approx(usual_colour([shown], [1.0]) @ LUMINANCE)
 
 
+def test_the_red_shadow_of_a_sofa_does_not_tint_a_carpet():
+    carpet = np.linspace(0.1, 0.5, 32)[:, None] * np.array([1.0, 1.0, 1.1])
+    carpet[:3] = np.array([0.04, 0.01, 0.01])
+    found = matte_colour([carpet], [1.0])
+    assert found / found[1] == pytest.approx([1.0, 1.0, 1.1])
+
+
 def test_a_surface_well_seen_keeps_its_colour_and_a_glimpse_follows_the_house():
     others = {f"c{k}": ((k, 2), 0.4, 4.0) for k in range(3)}
     well = expected_colours(shown(**others, mine=((3, 2), 0.1, 30.0)), GREY)
