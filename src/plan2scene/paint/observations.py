@@ -30,8 +30,8 @@ WHOLE = 0.02
 GLIMPSE = 2e-3
 #: Share of what is seen whose luminance is most alike: the rest is shadow, glare, other things.
 ALIKE = 0.5
-#: Share of a floor's pixels, the darkest, that tells nothing of its hue. Chosen on a real listing;
-#: three others, two real flats and the demo report (development).
+#: Share of a surface's pixels, the darkest, that tells no hue. Chosen on a real listing; three
+#: others, two real flats and the demo report (development).
 DARKEST = 0.1
 _COLUMNS = ["photo", "room_id", "surface", "plane", "own", "walls", "weight", "colours"]
 

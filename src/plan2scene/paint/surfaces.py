@@ -73,7 +73,8 @@ def observations_of(path: str | Path, *, accents: bool = True) -> list[Observati
         weight = float(rows["weight"].sum())
         if weight > LEAST_WEIGHT:
             shares = [np.asarray(c, dtype=np.float64).reshape(-1, 3) for c in rows["colours"]]
-            colour_of = matte_colour if surface == "floor" else usual_colour
+            glare = surface == "floor" or surface.startswith("wall.")  # pales strong colours
+            colour_of = matte_colour if glare else usual_colour
             red, green, blue = map(float, colour_of(shares, list(rows["weight"])))
             key, own = SurfaceKey(room_id, surface), bool(rows["own"].any())
             colour = red, green, blue

@@ -14,7 +14,7 @@ from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.texture_files import textured
 from plan2scene.paint.accents import find_accents
 from plan2scene.paint.observations import PlaneColours, write_colours
-from plan2scene.paint.surfaces import read_paint, write_paint
+from plan2scene.paint.surfaces import observations_of, read_paint, write_paint
 from plan2scene.plans.scene_writer import house_to_scene
 from plan2scene.textures.painted import paint_textures
 
@@ -85,6 +85,24 @@ def test_a_strong_colour_that_is_all_that_is_seen_is_that_of_its_wall(tmp_path):
     assert accents(tmp_path, [*only, seen("p.jpg", "w2", ORANGE, plane=1), *white]) == []
     assert accents(tmp_path, [*only, seen("r.jpg", "", ORANGE), *white]) == []
     assert accents(tmp_path, only + orange) == []  # as walls of this house are
+
+
+def test_glare_does_not_wash_out_an_accent(tmp_path):
+    planes = photos(ORANGE)
+    glare = np.linspace(-0.3, 0.3, 32).clip(0)[:, None]
+    shown = [
+        replace(plane, colours=(plane.colours + glare).astype(np.float32))
+        if plane.walls == ("w1",)
+        else plane
+        for plane in planes
+    ]
+    write_colours(tmp_path / "colours.parquet", shown, dataset="d", house_id="h")
+    found = {
+        item.surface.surface: item.colour for item in observations_of(tmp_path / "colours.parquet")
+    }
+    red, green, blue = srgb_to_linear(np.array(ORANGE))
+    assert found["wall.w1"][1] / found["wall.w1"][0] == pytest.approx(green / red, rel=0.01)
+    assert found["wall.w1"][2] / found["wall.w1"][0] == pytest.approx(blue / red, rel=0.01)
 
 
 def test_a_white_wall_is_the_accent_of_a_room_of_a_colour(tmp_path):
