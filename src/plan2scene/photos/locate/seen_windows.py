@@ -27,14 +27,15 @@ from plan2scene.plans.parse import Source
 
 @dataclass(frozen=True)
 class SeenWindowSettings:
-    """When photos show a window, metres. Usual sizes; nothing was chosen on homes."""
+    """When photos show a window, metres. Usual sizes; `sure` was looked at on three listings."""
 
     cell: float = 0.05  #: side of the cells of a wall that are looked at
     highest: float = 2.4  #: above the floor
-    sure: float = 0.5  #: mean probability of a window from which a cell is of one
+    sure: float = 0.65  #: mean probability of a window from which a cell is of one
     bridged: float = 0.25  #: mullions, curtains and things before it are no gap
     least: float = 0.4  #: width and height of a window
     door: float = 0.35  #: one that begins below this reaches the floor
+    head: float = 1.5  #: least height of its top above the floor
 
 
 SEEN_WINDOWS = SeenWindowSettings()
@@ -122,10 +123,10 @@ def _segments(shape: RoomShape, hole: Hole, likely: np.ndarray) -> Iterator[Segm
     closed = cv2.morphologyEx(np.pad(sure, pad), cv2.MORPH_CLOSE, kernel)[pad:-pad, pad:-pad]
     _, _, boxes, _ = cv2.connectedComponentsWithStats(closed)
     for left, low, width, height, _ in boxes[1:]:
-        if min(width, height) * cell < SEEN_WINDOWS.least:
+        top = (low + height) * cell
+        if min(width, height) * cell < SEEN_WINDOWS.least or top < SEEN_WINDOWS.head:
             continue
         ends = hole.start + cell * np.array([left, left + width])
         start, end = (shape.start[hole.edge] + at * shape.along[hole.edge] for at in ends)
         bottom = 0.0 if low * cell < SEEN_WINDOWS.door else low * cell
-        top = (low + height) * cell
         yield Segment("", "window", tuple(start.tolist()), tuple(end.tolist()), bottom, top)
