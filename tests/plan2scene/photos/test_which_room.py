@@ -74,6 +74,19 @@ def test_photos_that_look_alike_are_of_one_room():
         assert (found["b"]["bed_1"] > 0.6 > 0.4 > found["c"]["bed_1"]) is wins
 
 
+def test_photos_of_one_storey_look_sooner_alike():
+    photos = {
+        "bed": PhotoEvidence(kinds=looks_like("Bedroom")),
+        "kitchen": PhotoEvidence(told=("kitchen",)),
+    }
+    one = home()
+    rooms = [replace(r, level="low" if r.id in ("bed_1", "kitchen") else "high") for r in one.rooms]
+    alike = {("bed", "kitchen"): 0.8}
+    for house, wins in ((replace(one, rooms=tuple(rooms)), True), (one, False)):
+        found = room_probabilities(house, photos, (), alike)["bed"]
+        assert (found["bed_1"] > 1.3 * found["bed_2"]) is wins
+
+
 def test_of_rooms_of_a_type_the_larger_one_is_photographed_more():
     small = home()
     ring = ((4.0, 0.0), (8.0, 0.0), (8.0, 9.0), (4.0, 9.0))

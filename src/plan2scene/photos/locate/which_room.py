@@ -60,6 +60,9 @@ class WhichRoomSettings:
     #: Chosen on two listings, reported on two others and two flats (development).
     alike: float = 3.0
     usually_alike: float = 0.2
+    #: Share of that for photos on one storey, where floors go on from room to room. Chosen on a
+    #: listing of two storeys, looked at on another.
+    storey: float = 0.3
     #: Share of a tie where the rooms are open to each other.
     open_tie: float = 0.7
     #: Taken for each of at most so many photos in the same room that no ties lead to: most photos
@@ -147,6 +150,8 @@ def room_probabilities(
     known = [photos[name].tells or bool(pairs[k]) for k, name in enumerate(names)]
     near = _nearness(house)
     looks = _looks_together(names, alike)
+    levels = np.array([room.level for room in house.rooms])
+    one_storey = (levels[:, None] == levels).astype(float)
     frequent, first = _frequency(house)
     rng = generator(0, "which room", house.id)
     state = np.where(known, alone.argmax(axis=1), len(rooms))
@@ -167,6 +172,8 @@ def room_probabilities(
             together = np.bincount(state, looks[k], len(counts))
             together[here] -= looks[k, group].sum()
             log[:-1] += (together / np.sqrt(np.maximum(counts, 1.0)))[:-1]
+            storey = one_storey @ together[:-1] / np.sqrt(np.maximum(one_storey @ counts[:-1], 1.0))
+            log[:-1] += WHICH.storey * (storey - storey.mean())
             for other in pairs[k]:
                 log += WHICH.tie * (near.diagonal() / 2 if other in held else near[state[other]])
                 if len(group) > 1 and other not in held:
