@@ -128,6 +128,7 @@ def test_refused_photos_and_a_conflict_say_what_they_are(drawing, studio, tmp_pa
     page.evaluate("editor.pickPhotos(null)")
     page.set_input_files("#file-input", sorted(tmp_path.iterdir()))
     page.get_by_text("2 not added: see Photos.").wait_for()
+    page.locator("#panel .fault").nth(1).wait_for()  # they are drawn after the words
     corrupt, large = page.locator("#panel .fault").all_inner_texts()
     assert "found text" in corrupt and "at most 0.002 MB" in large
     assert drawing.photos == []
