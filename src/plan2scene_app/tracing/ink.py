@@ -40,6 +40,19 @@ def drawn_solid(structure: np.ndarray, image: np.ndarray, ppm: float) -> bool:
     return bool(wall.any() and solid[wall].mean() >= SETTINGS.solid)
 
 
+def with_drawn_walls(structure: np.ndarray, image: np.ndarray, ppm: float) -> np.ndarray:
+    """Return the structure (h, w) uint8 with what goes on from its solid walls outside as walls.
+
+    Of a large empty room, as a garage, the network may see neither floor nor walls.
+    """
+    solid, count = ndimage.label(solid_walls(ink_of(image), ppm), np.ones((3, 3)))
+    walls = np.bincount(solid[structure == WALL], minlength=count + 1)
+    missed = np.bincount(solid[structure == OUTSIDE], minlength=count + 1)
+    goes_on = walls > missed
+    goes_on[0] = False
+    return np.where(goes_on[solid] & (structure == OUTSIDE), WALL, structure).astype(np.uint8)
+
+
 def with_drawn_doors(structure: np.ndarray, image: np.ndarray, ppm: float) -> np.ndarray:
     """Return the structure (h, w) uint8 with gaps in solid walls, and swings, as doors.
 

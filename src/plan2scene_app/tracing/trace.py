@@ -36,6 +36,7 @@ from plan2scene_app.tracing.drawn_stairs import TracedFlight, covered, find_trea
 from plan2scene_app.tracing.ink import (
     drawn_solid,
     with_drawn_doors,
+    with_drawn_walls,
     with_swings,
     with_swung_windows,
 )
@@ -274,8 +275,10 @@ def _seen(image: np.ndarray, segmenter: PlanSegmenter, texts: Sequence[TextLine]
     names = [line.middle for line in lines if room_types(line.text)]
     feet = sides_in_feet(line.text for line in lines)
     told = [(*line.middle, area) for line in lines for area in told_area(line.text, feet=feet)]
-    divided = structure
     seen_walls = drawn_solid(structure, frame.image, ppm)
+    if seen_walls:
+        structure = with_drawn_walls(structure, frame.image, ppm)
+    divided = structure
     if not seen_walls or floor_count(structure, ppm) < SETTINGS.floors_a_name * len(names):
         divided, ppm = with_thin_walls(structure, frame.image, names, told, ppm)
     thin = divided is not structure

@@ -4,12 +4,17 @@ import cv2
 import numpy as np
 import pytest
 
-from plan2scene_app.tracing.ink import with_drawn_doors, with_swings, with_swung_windows
+from plan2scene_app.tracing.ink import (
+    with_drawn_doors,
+    with_drawn_walls,
+    with_swings,
+    with_swung_windows,
+)
 from plan2scene_app.tracing.named_areas import without_counters
 from plan2scene_app.tracing.openings import find_openings
 from plan2scene_app.tracing.regions import find_regions
 from plan2scene_app.tracing.rooms import room_polygons
-from plan2scene_app.tracing.settings import DOOR, PASSAGE, ROOM, WALL, WINDOW
+from plan2scene_app.tracing.settings import DOOR, OUTSIDE, PASSAGE, ROOM, WALL, WINDOW
 from plan2scene_app.tracing.thin_walls import with_thin_walls
 
 from .conftest import PPM, as_probabilities, flat_labels, solid_page
@@ -33,6 +38,17 @@ def test_a_gap_in_a_wall_between_rooms_is_a_door():
     assert (with_drawn_doors(labels, page, PPM)[62:85, 151] == DOOR).all()
     page[:] = 255  # walls that are not solid
     assert with_drawn_doors(labels, page, PPM) is labels
+
+
+def test_a_solid_wall_that_the_network_misses_goes_on():
+    labels = flat_labels()
+    page = solid_page(labels)
+    cv2.rectangle(page, (5, 5), (20, 20), (0, 0, 0), -1)  # a mark beside the plan is no wall
+    partly = labels.copy()
+    partly[:, 230:] = np.where(partly[:, 230:] == WALL, OUTSIDE, partly[:, 230:])
+    found = with_drawn_walls(partly, page, PPM)
+    assert (found[labels == WALL] == WALL).all()
+    assert (found[5:21, 5:21] == labels[5:21, 5:21]).all()
 
 
 @pytest.mark.parametrize(("ink", "kind"), [(255, PASSAGE), (215, PASSAGE), (0, WALL)])
