@@ -89,9 +89,9 @@ def test_a_strong_colour_that_is_all_that_is_seen_is_that_of_its_wall(tmp_path):
 
 def test_glare_does_not_wash_out_an_accent(tmp_path):
     planes = photos(ORANGE)
-    glare = np.linspace(-0.3, 0.3, 32).clip(0)[:, None]
+    shade, glare = np.linspace(0.3, 1.7, 32).clip(0, 1)[:, None], np.repeat([0.0, 0.3], 16)[:, None]
     shown = [
-        replace(plane, colours=(plane.colours + glare).astype(np.float32))
+        replace(plane, colours=(shade * plane.colours + glare).astype(np.float32))
         if plane.walls == ("w1",)
         else plane
         for plane in planes

@@ -62,6 +62,21 @@ def test_windows_lie_where_photos_show_them():
                 assert getattr(found, value) == pytest.approx(getattr(told, value), abs=0.2)
 
 
+def test_what_ends_low_is_no_window():
+    walls = tuple(
+        replace(
+            wall,
+            openings=tuple(
+                replace(o, bottom=0.5, top=1.3) if o.kind == "window" else o for o in wall.openings
+            ),
+        )
+        for wall in TRUE.walls
+    )
+    low = replace(TRUE, walls=walls)
+    photos = shots(low)
+    assert with_seen_windows(undrawn(), photos, locate_shots(low, photos).poses) == undrawn()
+
+
 def test_a_window_on_an_edge_without_a_wall_is_left_out():
     photos = shots(TRUE)
     poses = locate_shots(TRUE, photos).poses

@@ -172,8 +172,10 @@ def room_probabilities(
             together = np.bincount(state, looks[k], len(counts))
             together[here] -= looks[k, group].sum()
             log[:-1] += (together / np.sqrt(np.maximum(counts, 1.0)))[:-1]
-            storey = one_storey @ together[:-1] / np.sqrt(np.maximum(one_storey @ counts[:-1], 1.0))
-            log[:-1] += WHICH.storey * (storey - storey.mean())
+            if not one_storey.all():  # else it says the same of all rooms
+                sums, there = one_storey @ together[:-1], one_storey @ counts[:-1]
+                storey = sums / np.sqrt(np.maximum(there, 1.0))
+                log[:-1] += WHICH.storey * (storey - storey.mean())
             for other in pairs[k]:
                 log += WHICH.tie * (near.diagonal() / 2 if other in held else near[state[other]])
                 if len(group) > 1 and other not in held:
