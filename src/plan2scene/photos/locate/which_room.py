@@ -96,8 +96,9 @@ class WhichRoomSettings:
     #: photo that shows `least` probably one of their kind.
     guess: float = 0.25
     #: Of the guesses for a room those are used that are so nearly as probable as the best: others
-    #: are photos of other rooms, which would mix floors.
-    near_best: float = 0.8
+    #: are photos of other rooms, which would mix floors. Seen on one listing; of six photos of four
+    #: that .8 used and this does not, five show another room.
+    near_best: float = 0.95
     #: Sweeps of the sampler that count, those before, and groups that move in each.
     sweeps: int = 1500
     warm: int = 300
