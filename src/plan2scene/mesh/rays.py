@@ -61,9 +61,12 @@ class Rays:
         return origins + distance[:, None] * directions, distance
 
 
-def hemisphere(normal: np.ndarray, count: int) -> np.ndarray:
-    """Return unit directions about a normal, (count, 3), dense as the cosine (Malley's way)."""
-    number = np.arange(count)
+def hemisphere(normal: np.ndarray, count: int, shift: float = 0.0) -> np.ndarray:
+    """Return unit directions about a normal, (count, 3), dense as the cosine (Malley's way).
+
+    They lie on a spiral, `shift` (-.5 to .5) steps along it: others for another shift.
+    """
+    number = np.arange(count) + shift
     radius = np.sqrt((number + 0.5) / count)
     angle = number * np.pi * (3 - np.sqrt(5))
     local = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.sqrt(1 - radius**2)], 1)

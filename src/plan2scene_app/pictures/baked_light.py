@@ -1,9 +1,10 @@
 """Light baked into texels of a house's surfaces: radiosity by rays (Cohen and Wallace 1993).
 
 Sky through the windows, a lamp in every room and some bounces. Every texel looks at the house in
-the same few directions about its normal; what it sees, a window's sky or another texel, is worked
-out once, then each bounce is a sum. Values are factors on a surface's colour, about 1 where a room
-is lit.
+a few directions about its normal; what it sees, a window's sky or another texel, is worked out
+once, then each bounce is a sum. Texels of a block look in other directions each and share what
+they found (interleaved sampling, Keller and Heidrich 2001): a far window is seen in hardly one of
+a texel's own. Values are factors on a surface's colour, about 1 where a room is lit.
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ class LightSettings:
     """How light is baked. Values are factors on a surface's colour."""
 
     rays: int = 64  #: directions that a texel looks in
+    block: int = 5  #: side of the block of texels that look in different ones; odd
     bounces: int = 4
     most_px: int = 2048  #: width and height of the image at most
     plain: float = 0.6  #: linear reflectance of doors and frames
@@ -127,7 +129,7 @@ def bake_light(
     grids = [chart.grid() for chart in charts]
     texels = _texels(charts, grids, colours, shape)
     direct = _lamps(house, charts, texels, rays)
-    seen, sky = _seen(charts, texels, rays)
+    seen, sky = _seen(charts, grids, texels, rays)
     reflected = np.vstack([texels.colours, np.full((1, 3), LIGHT.plain)])
     light = direct + sky
     for _ in range(LIGHT.bounces):
@@ -199,7 +201,12 @@ def _texels(
     return _Texels(np.concatenate(points), np.concatenate(numbers), np.concatenate(looks), index)
 
 
-def _seen(charts: Sequence[Chart], texels: _Texels, rays: Rays) -> tuple[np.ndarray, np.ndarray]:
+def _seen(
+    charts: Sequence[Chart],
+    grids: Sequence[tuple[np.ndarray, np.ndarray]],
+    texels: _Texels,
+    rays: Rays,
+) -> tuple[np.ndarray, np.ndarray]:
     """Return what texels see in each direction, and the mean light of the sky in them (n, 3).
 
     (n, `LIGHT.rays`) int: number of a texel, n for plain things, n + 1 for what is outside.
@@ -209,11 +216,16 @@ def _seen(charts: Sequence[Chart], texels: _Texels, rays: Rays) -> tuple[np.ndar
     sky = np.zeros((count, 3))
     by_name = {chart.part.name: chart for chart in charts}
     known = [by_name.get(part.name) for part in rays.parts]
-    for number, chart in enumerate(charts):
+    for number, (chart, (_, inside)) in enumerate(zip(charts, grids, strict=True)):
         mine = np.flatnonzero(texels.charts == number)
         if not len(mine):
             continue
-        directions = np.tile(hemisphere(chart.normal, LIGHT.rays), (len(mine), 1))
+        row, column = np.nonzero(inside)
+        place = row % LIGHT.block * LIGHT.block + column % LIGHT.block
+        shifts = (np.arange(LIGHT.block**2) + 0.5) / LIGHT.block**2 - 0.5
+        sets = np.stack([hemisphere(chart.normal, LIGHT.rays, shift) for shift in shifts])
+        # Neighbours look in directions that are not alike: 7 and the number of sets have no factor.
+        directions = sets[place * 7 % len(sets)].reshape(-1, 3)
         origins = np.repeat(texels.points[mine], LIGHT.rays, axis=0)
         hit = rays.hits(origins, directions)
         out = (hit < 0).reshape(-1, LIGHT.rays)
@@ -273,15 +285,17 @@ def _lamps(house: House, charts: Sequence[Chart], texels: _Texels, rays: Rays) -
 
 
 def _smooth(values: np.ndarray, inside: np.ndarray) -> np.ndarray:
-    """Return values (h, w, 3) averaged along rows and columns over the texels at both sides.
+    """Return values (h, w, 3) averaged along rows and columns over a block about each texel.
 
-    A texel at an edge of the part keeps its value: a mean of one side alone would shift it.
+    It is narrower near an edge of the part: a mean of more texels on one side would shift it.
     """
     for axis in (0, 1):
-        sides = [np.roll(inside, step, axis) for step in (1, -1)]
-        both = (inside & sides[0] & sides[1])[..., None]
-        mean = (np.roll(values, 1, axis) + values + np.roll(values, -1, axis)) / 3
-        values = np.where(both, mean, values)
+        mean, total, whole = values, values, inside
+        for step in range(1, LIGHT.block // 2 + 1):
+            whole = whole & np.roll(inside, step, axis) & np.roll(inside, -step, axis)
+            total = total + np.roll(values, step, axis) + np.roll(values, -step, axis)
+            mean = np.where(whole[..., None], total / (2 * step + 1), mean)
+        values = mean
     return values
 
 

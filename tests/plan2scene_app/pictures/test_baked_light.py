@@ -72,6 +72,18 @@ def test_a_window_lights_the_floor_before_it(windowed):
     np.testing.assert_array_equal(light_of(windowed).image, light.image)
 
 
+def test_a_small_window_throws_no_pictures_of_itself_on_far_walls():
+    """Directions that all texels share would show it in some of them alone."""
+    ring = ((0.0, 0.0), (12.0, 0.0), (12.0, 9.0), (0.0, 9.0))
+    hall = Room("hall", ("Reception",), (ring,), 2.5)
+    window = Opening("w", "window", 5.5, 6.5, 1.0, 2.0)
+    light = light_of(House("h", (hall,), walls_of(hall, {0: [window]})))
+    chart = light.charts["hall/wall/hall_w2"]  # opposite to the window, as the lamp in its middle
+    (rows, columns), (row, column) = chart.size, (chart.row, chart.column)
+    there = light.image[row : row + rows, column : column + columns].mean(axis=(0, 2))
+    np.testing.assert_allclose(there, there[::-1], rtol=0.2)
+
+
 def test_what_has_no_texels_has_the_light_of_walls_near_it(windowed):
     light = light_of(windowed)
     parts = {part.name: part for part in assemble(windowed).parts}
