@@ -62,6 +62,9 @@ _BLACK = 1e-3  #: Least linear value of a texture's median
 #: Factors of the channels that differ by more make another colour (light does 2.5 at most): noise
 #: of a channel that was nearly black would become blotches of its colour.
 _TURNED = 3.0
+#: Carpets with fainter :func:`stains` have no pattern, but wear and light: .005 to .05 in three
+#: real homes (development); .10 for the faint dots of a carpet of the demo.
+PLAIN_CARPET = 0.07
 #: What balconies, terraces and yards have where no photo shows them, since carpets and wallpapers
 #: stay indoors: linear values and substances of grey stone and of render.
 OPEN_AIR = {"floor": (0.30, "tile"), "wall": (0.65, "plaster")}
@@ -102,13 +105,13 @@ def paint_textures(
 ) -> None:
     """Write a textures folder whose tiles and maps have the colours of ``paint.parquet``.
 
-    The folder has the files of the first one, without maps of plain white surfaces, whose tile has
-    all that there is, and ``doors.json``: sRGB levels of door leaves by the id of their opening;
-    ``trim.json`` of frames and skirting where these are of wood. An accent wall has its room's
-    pattern in its own paint, walls of one panelling have one pattern. An unseen white wall has no
-    pattern of another room, unseen floors and walls of `bathrooms` (their ids) are as in another
-    one, unseen surfaces of rooms in the `open_air` are of stone and render. `last_word` may change
-    the folder before it takes its place.
+    The folder has the files of the first one, without maps of plain white surfaces and plain
+    carpets, whose tile has all that there is, and ``doors.json``: sRGB levels of door leaves by the
+    id of their opening; ``trim.json`` of frames and skirting where these are of wood. An accent
+    wall has its room's pattern in its own paint, walls of one panelling have one pattern. An unseen
+    white wall has no pattern of another room, unseen floors and walls of `bathrooms` (their ids)
+    are as in another one, unseen surfaces of rooms in the `open_air` are of stone and render.
+    `last_word` may change the folder before it takes its place.
     """
     root = Path(textures)
     listed = texture_index(root)
@@ -158,6 +161,8 @@ def paint_textures(
     plains = _plain_tiles(
         tiles, gains, entries, (white_surfaces | whites) - banded, whites - banded
     )
+    laid = {key for key in tiles if "pattern" in maps["surfaces"].get("/".join(key), {})}
+    plains |= _plain_carpets({key: tiles[key] for key in tiles.keys() - laid}, gains, entries)
     outside = {
         key
         for key in unseen
@@ -290,6 +295,23 @@ def _plain_tiles(
     }
 
 
+def _plain_carpets(
+    tiles: Mapping[SurfaceKey, np.ndarray],
+    gains: Mapping[SurfaceKey, np.ndarray],
+    entries: Mapping[SurfaceKey, Mapping[str, Any]],
+) -> dict[SurfaceKey, _Tile]:
+    """Return the tiles of carpets without a pattern, which have one colour and their pile."""
+    made = {}
+    for key in sorted(tiles):
+        if key.kind == "floor" and entries[key].get("substance") == "carpet":
+            size_m = float(entries[key]["size_m"])
+            image, px_per_m = repainted(tiles[key], gains[key]), len(tiles[key]) / size_m
+            if stains(image, px_per_m) < PLAIN_CARPET:
+                image, pattern = plain(image, srgb_to_linear(median_colour(image)), px_per_m)
+                made[key] = _Tile(image, size_m, "carpet", pattern)
+    return made
+
+
 def _open_air_tiles(
     tiles: Mapping[SurfaceKey, np.ndarray], entries: Mapping[SurfaceKey, Mapping[str, Any]]
 ) -> dict[SurfaceKey, _Tile]:
@@ -335,6 +357,16 @@ def plain(image: np.ndarray, colour: np.ndarray, px_per_m: float) -> tuple[np.nd
     linear = from_log_axes(log_axes(np.asarray(colour)) + detail)
     painted = as_uint8(linear_to_srgb(np.minimum(linear, _PLAIN.brightest)))
     return painted, pattern
+
+
+def stains(image: np.ndarray, px_per_m: float) -> float:
+    """Return how much a texture (h, w, 3) uint8 sRGB varies over centimetres.
+
+    The standard deviation of its log colours between `PlainSettings.smear_m` and `slow_m`.
+    """
+    axes = log_axes(srgb_to_linear(image)).astype(np.float32)
+    smeared, slow = (_slow(axes, m * px_per_m) for m in (_PLAIN.smear_m, _PLAIN.slow_m))
+    return float(np.sqrt((smeared - slow).var(axis=(0, 1)).sum()))
 
 
 def is_upright(image: np.ndarray, size_m: float) -> bool:

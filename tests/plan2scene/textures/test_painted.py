@@ -342,6 +342,25 @@ def test_evidence_is_said_in_words():
     assert words([], white=True, **like) == f"guessed: white, as most walls here{doubt}"
 
 
+@pytest.mark.parametrize(
+    ("substance", "shade", "kept"),
+    [("carpet", 0.05, False), ("carpet", 0.2, True), ("wood", 0.05, True)],
+)
+def test_wear_of_a_plain_carpet_goes_and_its_pile_stays(paint, tmp_path, substance, shade, kept):
+    wave = shade * np.sin(2 * np.pi * 4 * np.arange(128) / 128)[None, :, None]
+    pile = np.random.default_rng(0).normal(0.0, 0.1, (128, 128, 1))
+    tile = as_uint8(linear_to_srgb(np.exp(wave + pile) * [0.3, 0.28, 0.25]))
+    entry = {"a/floor": {"substance": substance}}
+    folder = textures_of(tmp_path / "textures", {"a/floor": tile}, **entry)
+    paint_textures(folder, paint, tmp_path / "out")
+    log = np.log(srgb_to_linear(read_image(tmp_path / "out" / "a_floor.png"))[..., 1])
+    left = log.mean(axis=0).std() / wave.std()
+    assert left > 0.8 if kept else left < 0.45
+    assert log.std(axis=0).mean() == pytest.approx(0.1, rel=0.2)
+    maps = read_json(tmp_path / "out" / "maps.json")["surfaces"]
+    assert ("a/floor" in maps) == (tmp_path / "out" / "a_floor.jpg").exists() == kept
+
+
 def test_smears_of_white_paint_go_and_its_relief_stays():
     x = np.arange(128) / 128
     smear, relief = 0.03 * np.sin(2 * np.pi * 4 * x), 0.03 * np.sin(2 * np.pi * 40 * x)
