@@ -76,22 +76,20 @@ class Light:
     def of_plain(self, part: MeshPart) -> np.ndarray:
         """Return the light (n, 3) of the vertices of a part without texels: that of walls near it.
 
-        What looks up is a little brighter.
+        Where there are none what looks up is a little brighter.
         """
         normals = part.mesh.vertex_normals
         if self.walls is None:
-            light = np.ones((len(normals), 3))
-        else:
-            tree, lights, owner = self.walls
-            before = part.mesh.vertices + LIGHT.before_m * normals
-            away, near = tree.query(before, k=min(LIGHT.near_texels, len(lights)))
-            shape = len(before), -1
-            near = near.reshape(shape)
-            same = owner[near] == owner[near[:, :1]]  # walls of two rooms stand back to back
-            weights = same / (away.reshape(shape) + LIGHT.before_m)
-            light = (lights[near] * weights[..., None]).sum(axis=1)
-            light /= weights.sum(axis=1, keepdims=True)
-        return np.asarray(light * (1.0 + 0.15 * normals[:, 1:2]))
+            return np.asarray(1.0 + 0.15 * normals[:, [1, 1, 1]])
+        tree, lights, owner = self.walls
+        before = part.mesh.vertices + LIGHT.before_m * normals
+        away, near = tree.query(before, k=min(LIGHT.near_texels, len(lights)))
+        shape = len(before), -1
+        near = near.reshape(shape)
+        same = owner[near] == owner[near[:, :1]]  # walls of two rooms stand back to back
+        weights = same / (away.reshape(shape) + LIGHT.before_m)
+        light = (lights[near] * weights[..., None]).sum(axis=1)
+        return np.asarray(light / weights.sum(axis=1, keepdims=True))
 
 
 @dataclass(eq=False)

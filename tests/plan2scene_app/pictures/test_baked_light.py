@@ -92,6 +92,10 @@ def test_what_has_no_texels_has_the_light_of_walls_near_it(windowed):
     plain = light.of_plain(door)
     wall = at(light, parts["a/wall/a_w1"], (3.0, 1.0, 2.3))
     np.testing.assert_allclose(plain[upright & (x < 2.8)].mean(axis=0), wall, rtol=0.25)
+    boards = parts["a/skirting"]
+    top = boards.mesh.vertex_normals[:, 1] > 0.9
+    front, above = (light.of_plain(boards)[which].mean() for which in (~top, top))
+    assert above == pytest.approx(front, rel=0.07)  # else a line of bright dots in pictures
 
 
 def test_light_runs_on_where_a_wall_of_one_plane_goes_on(storey_house):
