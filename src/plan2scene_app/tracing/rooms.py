@@ -292,9 +292,14 @@ def _lived_in(told: Sequence[tuple[str, ...]]) -> bool:
 def _name_of(lines: Sequence[TextLine]) -> str:
     """Return the name that lines in a room make: "Dining / Living" where two rooms are told.
 
-    What stands on appliances and wardrobes is none of it; a word above or below a name is.
+    What stands on appliances and wardrobes is none of it; a word above or below a name is. What is
+    written twice counts once.
     """
-    names = [line for line in lines if _is_name(line.text)]
+    once: dict[str, TextLine] = {}
+    for line in lines:
+        if _is_name(line.text):
+            once.setdefault(line.text.casefold(), line)
+    names = list(once.values())
     told = [line for line in names if room_types(line.text)]
     if _lived_in([room_types(line.text) for line in told]):
         told = [line for line in told if room_types(line.text) != ("Closet",)]

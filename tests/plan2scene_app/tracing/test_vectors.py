@@ -63,6 +63,7 @@ def test_a_name_is_no_word_of_appliances_and_joins_the_rooms_of_an_open_one(prob
         "LIVING": (1.8, 1.5, 40),
         "CUB": (1.3, 3.5, 12),
         "DINING": (3.8, 1.6, 40),
+        "Dining": (3.5, 3.0, 40),
         "Front": (6.5, 2.0, 30),
         "Bedroom": (6.5, 2.3, 40),
         "FRIDGE": (6.5, 3.7, 30),
