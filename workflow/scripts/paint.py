@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from plan2scene.paint.surfaces import write_paint
+from plan2scene.plans.room_names import is_garage
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.textures.painted import paint_textures
 from plan2scene.workflow.jobs import job
@@ -22,18 +23,15 @@ with job(snakemake.log[0]):
     plan = read_scene_json(inputs.scene, snakemake.wildcards.house)
     finishes = read_finishes(inputs.finishes) if inputs.get("finishes") else {}
     write_paint(
-        inputs.colours,
-        inputs.materials,
-        output.paint,
+        *(inputs.colours, inputs.materials, output.paint),
         dataset=snakemake.params.dataset,
         house=snakemake.wildcards.house,
         accents=snakemake.params.accents,
     )
     paint_textures(
-        inputs.textures,
-        output.paint,
-        output.textures,
+        *(inputs.textures, output.paint, output.textures),
         open_air={room.id for room in plan.rooms if room.open_air},
+        garages={room.id for room in plan.rooms if is_garage(room.name or room.id)},
         bathrooms={room.id for room in plan.rooms if "Bathroom" in room.types},
         last_word=set_finishes if finishes else None,
     )

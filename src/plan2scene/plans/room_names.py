@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Sequence
 from functools import lru_cache
 
 from plan2scene.house import ROOM_TYPES
 
+#: Stems of the names of garages; see `_STEMS`.
+_GARAGE = "garage gar garaje box_auto garagem garasje autotalli garaz garaj гараж"
 #: Stems of words (lower case, no accents; `_` for a space) by room type. The first type that has a
 #: stem of a word decides: "bathroom" is told before "room" could be. Named rooms that no type fits
 #: (with a roof, of no usual use) are Unknown.
@@ -69,7 +72,7 @@ _STEMS = {
         "クローゼット 収納 押入 物入 納戸 储藏"
     ),
     "Unknown": (
-        "garage gar garaje box_auto garagem garasje autotalli garaz garaj гараж lift elevator "
+        f"{_GARAGE} lift elevator "
         "aufzug ascenseur ascensor utility util laundry laund lndry ldry l_dry ldy buand "
         "lavanderia lavadero lavandaria bijkeuken "
         "technical technik mech hwr hauswirtschaft tvatt tvattstuga vaskerom bryggers "
@@ -117,21 +120,35 @@ def room_types(name: str) -> tuple[str, ...]:
     return tuple(kind for kind in types if kind != "Unknown") or tuple(types)
 
 
+def is_garage(name: str) -> bool:
+    """Return whether a room is called a garage, and nothing else that is used."""
+    return room_types(name) == ("Unknown",) and _has_stem(_words_of(name), _GARAGE)
+
+
 def _type_of(text: str) -> str | None:
     """Return the room type of one name."""
+    words = _words_of(text)
+    plain = " ".join(words)
+    if plain in _TYPES:
+        return None if plain == "unknown" else _TYPES[plain]
+    return next((kind for kind, stems in _STEMS.items() if _has_stem(words, stems)), None)
+
+
+def _words_of(text: str) -> list[str]:
+    """Return the words of a name, lower case and without accents."""
     plain = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", text).translate(WRITTEN)
     plain = unicodedata.normalize("NFKC", _without_accents(plain)).lower()
     plain = re.sub(r"(?<=\b\w)[.](?=\w\b)|['’`´]", "", plain)  # "W.I.R.", "L'DRY"
-    plain = re.sub(r"[\W\d_]+", " ", plain).strip()
-    if plain in _TYPES:
-        return None if plain == "unknown" else _TYPES[plain]
-    words = plain.split()
-    joined = "_".join(words)
-    for kind, stems in _STEMS.items():
-        for stem in stems.split():
-            if ("_" in stem and f"_{stem}" in f"_{joined}") or any(_is(w, stem) for w in words):
-                return kind
-    return None
+    return re.sub(r"[\W\d_]+", " ", plain).split()
+
+
+def _has_stem(words: Sequence[str], stems: str) -> bool:
+    """Return whether words have one of some `stems`."""
+    joined = f"_{'_'.join(words)}"
+    return any(
+        ("_" in stem and f"_{stem}" in joined) or any(_is(word, stem) for word in words)
+        for stem in stems.split()
+    )
 
 
 def _without_accents(text: str) -> str:

@@ -66,7 +66,7 @@ _TURNED = 3.0
 #: real homes (development); .10 for the faint dots of a carpet of the demo.
 PLAIN_CARPET = 0.07
 #: What balconies, terraces and yards have where no photo shows them, since carpets and wallpapers
-#: stay indoors: linear values and substances of grey stone and of render.
+#: stay indoors: linear values and substances of grey stone (a garage's floor, too) and of render.
 OPEN_AIR = {"floor": (0.30, "tile"), "wall": (0.65, "plaster")}
 #: Mean CIEDE2000 to the true material by kind of surface, seen and not, and of a seen wall or
 #: ceiling of a colour: 43 synthetic homes with 60 % of their photos hidden (development).
@@ -100,6 +100,7 @@ def paint_textures(
     out_dir: str | Path,
     *,
     open_air: Collection[str] = (),
+    garages: Collection[str] = (),
     bathrooms: Collection[str] = (),
     last_word: Callable[[Path], None] | None = None,
 ) -> None:
@@ -110,8 +111,9 @@ def paint_textures(
     id of their opening; ``trim.json`` of frames and skirting where these are of wood. An accent
     wall has its room's pattern in its own paint, walls of one panelling have one pattern. An unseen
     white wall has no pattern of another room, unseen floors and walls of `bathrooms` (their ids)
-    are as in another one, unseen surfaces of rooms in the `open_air` are of stone and render.
-    `last_word` may change the folder before it takes its place.
+    are as in another one, unseen surfaces of rooms in the `open_air` are of stone and render,
+    unseen floors of `garages` of stone. `last_word` may change the folder before it takes its
+    place.
     """
     root = Path(textures)
     listed = texture_index(root)
@@ -166,10 +168,14 @@ def paint_textures(
     outside = {
         key
         for key in unseen
-        if key.room_id in open_air and key.kind in OPEN_AIR and key not in photos
+        if key not in photos
+        and (
+            (key.room_id in open_air and key.kind in OPEN_AIR)
+            or (key.room_id in garages and key.kind == "floor")
+        )
     }
     plains |= _open_air_tiles({key: tiles[key] for key in outside}, entries)
-    entries |= {key: entries[key] | {"source": "as the open air asks"} for key in outside}
+    entries |= {key: entries[key] | {"source": "as the use of the room asks"} for key in outside}
     with atomic_directory(out_dir) as folder:
         for key, tile in tiles.items():
             bare = plains[key].image if key in plains else repainted(tile, gains[key])

@@ -2,7 +2,7 @@
 
 import pytest
 
-from plan2scene.plans.room_names import room_types
+from plan2scene.plans.room_names import is_garage, room_types
 
 NAMES = {
     ("Bedroom",): "Master bedroom 2|Zimmer 2|Camera da letto|Slaapkamer|Makuuhuone 2|Sypialnia"
@@ -25,3 +25,11 @@ NAMES = {
 def test_names(types):
     names = NAMES[types].split("|")
     assert {name: room_types(name) for name in names} == dict.fromkeys(names, types)
+
+
+@pytest.mark.parametrize(
+    ("name", "garage"),
+    [("Double Garage", True), ("GARAJE", True), ("Garage / WC", False), ("Garden", False)],
+)
+def test_a_garage_is_told_by_its_name(name, garage):
+    assert is_garage(name) is garage

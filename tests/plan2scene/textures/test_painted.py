@@ -384,6 +384,19 @@ def test_a_hook_in_a_wall_is_not_repeated_all_over_it():
         assert np.abs(log - np.median(log)).max() < 0.06, name
 
 
+def test_an_unseen_floor_of_a_garage_is_grey(paint, tmp_path):
+    oak = np.full((64, 64, 3), (180, 120, 70), np.uint8)
+    names = ("a/floor", "garage/floor", "garage/wall")
+    unseen = {"observed": False, "source": "exemplar of a, like a"}
+    folder = textures_of(
+        tmp_path / "t", dict.fromkeys(names, oak), **dict.fromkeys(names[1:], unseen)
+    )
+    for garages in ((), ("garage",)):
+        paint_textures(folder, paint, tmp_path / f"out{len(garages)}", garages=garages)
+        grey = median_colour(read_image(tmp_path / f"out{len(garages)}" / "garage_floor.png"))
+        assert (np.ptp(grey) < 0.02) == bool(garages)
+
+
 def test_an_unseen_balcony_has_no_carpet_and_no_wallpaper(paint, tmp_path):
     lilac = np.full((64, 64, 3), (190, 170, 200), np.uint8)
     lilac[::16] = 90
