@@ -91,23 +91,20 @@ def refuse_other_pictures(
 ) -> None:
     """Raise InputError for a photo, a page of text or another picture without a plan.
 
-    A network sees rooms in a photo, too: hardly sure ones, with ragged outlines, in a picture with
-    little that is flat and without paper.
+    A network sees rooms in a photo, too: less sure ones, in a picture with little that is flat and
+    without paper.
     """
-    reason = ""
+    reason, busy = "", flat_share(image) < SETTINGS.busy
     if not polygons:
         reason = "no room that walls close"
     elif not openings:
         reason = "areas without any door or window"
     else:
-        corners = np.mean([len(p.exterior.coords) - 1 for p in polygons.values()])
-        busy = flat_share(image) < SETTINGS.busy[1]
-        drawn = not busy or paper_share(image) >= SETTINGS.drawn_paper
-        ragged = not drawn and sure < SETTINGS.ragged[0] and corners > SETTINGS.ragged[1]
-        if ragged or (busy and sure < SETTINGS.busy[0]):
+        drawn = paper_share(image) >= SETTINGS.drawn_paper
+        if busy and sure < SETTINGS.least_sure[0 if drawn else 1]:
             reason = f"areas that are {sure:.0%} sure to be rooms"
     if reason:
-        if flat_share(image) < SETTINGS.busy[1]:
+        if busy:
             reason = f"a photo? ({reason})"
         raise InputError("a picture of a floorplan", reason, file=path)
 

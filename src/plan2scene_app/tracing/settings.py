@@ -50,7 +50,7 @@ class TraceSettings:
 
     Sizes are metres and square metres as homes usually have them, set by hand; what they give
     together is measured by ``benchmarks/trace.py`` (docs/measurements/trace.md). Those of the whole
-    picture were chosen on 40 plans, eight of them real, and 40 photos of rooms: no plan and 40
+    picture were chosen on 49 plans, nine of them real, and 39 photos of rooms: no plan and all
     photos are refused. "Logarithm" is the natural one.
     """
 
@@ -64,8 +64,8 @@ class TraceSettings:
     drawn_paper: float = 0.5  #: share of one colour from which a picture is no photo
     page_side_px: int = 384  #: of the pictures in a photo folder that are looked at
     page_paper: float = 0.65  #: share of one colour from which one of them is a drawing or a page
-    ragged: tuple[float, float] = (0.85, 6.5)  #: probability below and mean corners above: a photo
-    busy: tuple[float, float] = (0.78, 0.65)  #: probability and flat share below: a photo
+    busy: float = 0.65  #: flat share below which a picture may be a photo: ...
+    least_sure: tuple[float, float] = (0.78, 0.86)  #: ... if rooms are less sure; without paper
     fills: float = 0.75  #: of the longer side, from which a drawing is looked at with its paper
     # Drawings on one picture.
     drawing_ink: float = 25.0  #: grey values from paper to what is drawn

@@ -562,7 +562,7 @@ def doubts(plan: TracedPlan) -> Iterator[str]:
             f"the scale is {scale.source} ({centimetres:.3g} cm a pixel, {scale.confidence:.0%} "
             "sure): give --metres-per-pixel"
         )
-    if plan.sure < SETTINGS.busy[0]:
+    if plan.sure < SETTINGS.least_sure[0]:
         yield f"the picture as a whole: {plan.sure:.0%} sure of what it shows"
     if not plan.read:
         yield f"no text is read: {pip_command('plan2scene[trace]')}"
