@@ -64,8 +64,9 @@ class TraceSettings:
     drawn_paper: float = 0.5  #: share of one colour from which a picture is no photo
     page_side_px: int = 384  #: of the pictures in a photo folder that are looked at
     page_paper: float = 0.65  #: share of one colour from which one of them is a drawing or a page
-    busy: float = 0.65  #: flat share below which a picture may be a photo: ...
-    least_sure: tuple[float, float] = (0.78, 0.86)  #: ... if rooms are less sure; without paper
+    busy: float = 0.65  #: flat share below which a picture may be a photo
+    #: Least mean probability of the rooms in such a picture, with paper around them and without.
+    least_sure: tuple[float, float] = (0.78, 0.86)
     fills: float = 0.75  #: of the longer side, from which a drawing is looked at with its paper
     # Drawings on one picture.
     drawing_ink: float = 25.0  #: grey values from paper to what is drawn

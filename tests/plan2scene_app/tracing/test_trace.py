@@ -1,6 +1,7 @@
 """A picture becomes a plan: the shipped network, the texts, what is written, what is refused."""
 
 import json
+from contextlib import nullcontext
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 from flat_picture import PPM, flat_picture
 from PIL import Image, ImageDraw
+from shapely.geometry import box
 from typer.testing import CliRunner
 
 from plan2scene.errors import InputError
@@ -17,7 +19,13 @@ from plan2scene.plans.formats import read_plan
 from plan2scene_app.cli import app
 from plan2scene_app.tracing import lettering, trace
 from plan2scene_app.tracing.lettering import TextLine, read_lines
-from plan2scene_app.tracing.picture import read_plan_picture
+from plan2scene_app.tracing.picture import (
+    flat_share,
+    paper_share,
+    read_plan_picture,
+    refuse_other_pictures,
+)
+from plan2scene_app.tracing.settings import SETTINGS
 from plan2scene_app.tracing.trace import traced_files, write_trace
 
 
@@ -184,6 +192,21 @@ def test_what_is_no_plan_is_one_line(tmp_path, monkeypatch, image, found):
         write_trace(path, tmp_path / "plan.json")
     assert found in str(caught.value) and "\n" not in str(caught.value)
     assert [p.name for p in tmp_path.iterdir()] == ["other.png"]
+
+
+@pytest.mark.parametrize(
+    ("sure", "paper", "taken"),
+    [(0.7, False, False), (0.82, False, False), (0.9, False, True), (0.82, True, True)],
+)
+def test_rooms_in_a_busy_picture_without_paper_have_to_be_surer(sure, paper, taken):
+    image = _noise()
+    if paper:
+        image[:210] = 250
+        image[210:, ::8] = 0  # a fine drawing: little of it is flat
+    assert flat_share(image) < SETTINGS.busy
+    assert (paper_share(image) >= SETTINGS.drawn_paper) is paper
+    with nullcontext() if taken else pytest.raises(InputError, match="a photo"):
+        refuse_other_pictures("plan.jpg", image, sure, {1: box(0, 0, 9, 9)}, openings=3)
 
 
 def test_a_picture_of_12000_x_9000_pixels_is_worked_on_at_a_sixth(tmp_path):
