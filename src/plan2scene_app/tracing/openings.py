@@ -174,7 +174,12 @@ def _undrawn_passages(
     polygons: dict[int, Polygon],
     known: list[TracedOpening],
 ) -> list[TracedOpening]:
-    """Return passages where floor goes on from one room to the next without a wall."""
+    """Return passages where floor goes on from one room to the next without a wall.
+
+    There is none beside a `known` door or window: what is drawn of its wall is too faint. Of a
+    known passage they may be more.
+    """
+    drawn = [opening for opening in known if opening.kind != OPENINGS[PASSAGE]]
     passages = []
     for edge in edges:
         if edge.length < SETTINGS.open_floor * regions.ppm:
@@ -188,7 +193,7 @@ def _undrawn_passages(
             if high - low < SETTINGS.open_floor * regions.ppm:
                 continue
             opening = _opening(edge, low, high, OPENINGS[PASSAGE], 0.5, polygons, regions)
-            if opening.other > edge.room and not any(_same(opening, o) for o in known):
+            if opening.other > edge.room and not any(_same(opening, o) for o in drawn):
                 passages.append(opening)
     return passages
 
@@ -200,7 +205,9 @@ def _same(one: TracedOpening, other: TracedOpening) -> bool:
     way = (end - start) / max(one.width, 1e-9)
     along = float((middle - start) @ way)
     off = abs(float((middle - start) @ np.array([-way[1], way[0]])))
-    return -other.width / 2 < along < one.width + other.width / 2 and off < one.width / 4
+    return -other.width / 2 < along < one.width + other.width / 2 and off < min(
+        one.width / 4, other.width / 2
+    )
 
 
 def _joined(openings: list[TracedOpening], ppm: float) -> list[TracedOpening]:

@@ -1,5 +1,7 @@
 """From labels of pixels to rooms and openings."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -10,7 +12,7 @@ from plan2scene_app.tracing.openings import find_openings
 from plan2scene_app.tracing.picture import main_direction
 from plan2scene_app.tracing.regions import find_regions, structure_of
 from plan2scene_app.tracing.rooms import describe_rooms, room_polygons, with_types_by_marks
-from plan2scene_app.tracing.settings import DOOR, OUTSIDE, ROOM, WALL, WINDOW
+from plan2scene_app.tracing.settings import DOOR, OUTSIDE, PASSAGE, ROOM, WALL, WINDOW
 from plan2scene_app.tracing.trace import without_loose_openings
 
 from .conftest import PPM, as_probabilities, flat_labels, line
@@ -44,6 +46,23 @@ def test_floor_that_goes_on_is_a_passage():
     assert regions.count == 2
     kinds = [o.kind for o in find_openings(regions, polygons, probabilities) if o.other]
     assert kinds == ["passage"]
+
+
+@pytest.mark.parametrize(
+    ("label", "box"),
+    [(PASSAGE, (5.0, 1.2, 5.1, 1.7)), (DOOR, (4.0, 4.0, 4.9, 4.1))],
+    ids=["a part of it is drawn", "a door around the corner"],
+)
+def test_rooms_that_meet_without_a_wall_are_open_all_along(label, box):
+    labels = flat_labels()
+    regions, polygons = traced(as_probabilities(np.where(labels == DOOR, WALL, labels)))
+    labels[round(1.1 * PPM) : round(4.0 * PPM), round(4.9 * PPM) : round(5.2 * PPM)] = ROOM
+    x0, y0, x1, y1 = (round(value * PPM) for value in box)
+    labels[y0:y1, x0:x1] = label
+    regions = replace(regions, structure=np.minimum(labels, ROOM))
+    between = [o for o in find_openings(regions, polygons, as_probabilities(labels)) if o.other]
+    assert [o.kind for o in between] == ["passage"]
+    assert between[0].width == pytest.approx(2.9 * PPM, rel=0.1)
 
 
 def test_closed_rooms_taken_for_outside_are_rooms_and_a_light_well_is_none():
