@@ -19,7 +19,7 @@ from plan2scene_app.tracing.ink import ink_of
 from plan2scene_app.tracing.lettering import TextLine
 from plan2scene_app.tracing.regions import Regions, grown
 from plan2scene_app.tracing.scale import read_room_sides
-from plan2scene_app.tracing.settings import SETTINGS
+from plan2scene_app.tracing.settings import OPENINGS, SETTINGS
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,9 @@ def with_open_rooms(
 ) -> Regions:
     """Return the regions with rooms that have several names divided; `metres` are of a pixel."""
     ink = ink_of(image) > SETTINGS.faint
+    # A line that ends in a door or window would halve it.
+    drawn = np.isin(regions.structure, list(OPENINGS))
+    opened = ndimage.binary_dilation(drawn, iterations=1 + round(regions.wall_px))
     feet = sides_in_feet(line.text for line in lines)
     floors, count = regions.floors.copy(), regions.count
     names = list(_named(lines, feet=feet))
@@ -53,7 +56,7 @@ def with_open_rooms(
                 ):
                     continue
                 own = floors == _at(floors, one.place)
-                part = _divided(own, one, other, ink, metres, regions.ppm)
+                part = _divided(own, one, other, (ink, opened), metres, regions.ppm)
                 if part is not None:
                     count += 1
                     floors[part] = count
@@ -88,18 +91,26 @@ def _at(floors: np.ndarray, place: tuple[float, float]) -> int:
 
 
 def _divided(
-    own: np.ndarray, one: _Named, other: _Named, ink: np.ndarray, metres: float, ppm: float
+    own: np.ndarray,
+    one: _Named,
+    other: _Named,
+    seen: tuple[np.ndarray, np.ndarray],
+    metres: float,
+    ppm: float,
 ) -> np.ndarray | None:
-    """Return the part (h, w) bool of a floor that is the other name's; None for no clear line."""
+    """Return the part (h, w) bool of a floor that is the other name's; None for no clear line.
+
+    `seen` is where something is drawn, and where doors and windows are or nearly (h, w) bool.
+    """
     best: tuple[float, np.ndarray] | None = None
     for axis in (0, 1):
         # Along x the line is a column; along y it is one of the transposed picture.
-        floor, drawn = (own, ink) if axis == 0 else (own.T, ink.T)
+        floor, drawn, opened = (own, *seen) if axis == 0 else (own.T, *(part.T for part in seen))
         low, high = sorted((one, other), key=lambda named: named.place[axis])
         for cut, sized in _cuts(floor, low, high, axis, metres, ppm):
             column = floor[:, cut]
             length = int(column.sum())
-            if not length:
+            if not length or opened[np.flatnonzero(column)[[0, -1]], cut].any():
                 continue
             line = float(drawn[column, max(0, cut - 1) : cut + 2].any(axis=1).mean())
             neck = 1 - length / max(floor[:, :cut].sum(0).max(), floor[:, cut:].sum(0).max())

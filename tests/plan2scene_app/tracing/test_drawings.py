@@ -88,3 +88,6 @@ def test_an_open_floor_with_two_names_is_divided(sized):
     assert np.count_nonzero(found.floors[100] == found.floors[100, 90]) == pytest.approx(180, abs=4)
     same = [line("Lounge", 90, 100), line("Living", 260, 100)]
     assert with_open_rooms(regions, polygons, page, same, metres) is regions
+    regions.structure[20:24, 190:220] = DOOR  # a line that would halve a door divides nothing
+    halved = with_open_rooms(regions, polygons, page, lines[:2], metres)
+    assert halved.floors[100, 90] == halved.floors[100, 260]
