@@ -177,8 +177,9 @@ def _undrawn_passages(
     """Return passages where floor goes on from one room to the next without a wall.
 
     There is none beside a `known` door or window: what is drawn of its wall is too faint. Of a
-    known passage they may be more.
+    known passage they may be more. The strip of a cupboard along a wall is no floor that goes on.
     """
+    beside = SETTINGS.open_beside * regions.ppm
     drawn = [opening for opening in known if opening.kind != OPENINGS[PASSAGE]]
     passages = []
     for edge in edges:
@@ -186,8 +187,9 @@ def _undrawn_passages(
             continue
         steps = np.arange(0.5, edge.length, 1.0)
         line = edge.start + steps[:, None] * edge.way
-        is_open = touches_open_floor(regions, line)
-        runs, count = ndimage.label(is_open)
+        across = np.arange(-beside, beside + 0.5)[:, None, None] * edge.inwards
+        is_open = touches_open_floor(regions, (line + across).reshape(-1, 2))
+        runs, count = ndimage.label(is_open.reshape(len(across), len(line)).all(axis=0))
         for (run,) in ndimage.find_objects(runs, count):
             low, high = float(steps[run.start]) - 0.5, float(steps[run.stop - 1]) + 0.5
             if high - low < SETTINGS.open_floor * regions.ppm:

@@ -65,6 +65,16 @@ def test_rooms_that_meet_without_a_wall_are_open_all_along(label, box):
     assert between[0].width == pytest.approx(2.9 * PPM, rel=0.1)
 
 
+def test_the_strip_of_a_cupboard_along_a_wall_is_no_passage():
+    labels = np.where(flat_labels() == DOOR, WALL, flat_labels())
+    regions, polygons = traced(as_probabilities(labels))
+    strip = labels.copy()
+    strip[round(1.1 * PPM) : round(4.0 * PPM), round(4.8 * PPM) : round(5.3 * PPM)] = ROOM
+    strip[:, round(4.7 * PPM) : round(4.8 * PPM)] = strip[:, round(5.3 * PPM)] = WALL
+    regions = replace(regions, structure=np.minimum(strip, ROOM))
+    assert not [o for o in find_openings(regions, polygons, as_probabilities(labels)) if o.other]
+
+
 def test_closed_rooms_taken_for_outside_are_rooms_and_a_light_well_is_none():
     labels = flat_labels()
     closed = np.where(labels >= ROOM, OUTSIDE, labels)
