@@ -79,12 +79,17 @@ def with_drawn_doors(structure: np.ndarray, image: np.ndarray, ppm: float) -> np
                 part[solid[rows, columns]] = WALL
     changed = _parted(changed, [g for g in _facing(solid, ppm) if _swings(thin, g)], solid, ppm)
     thick = solid_walls(ink, 2 * ppm)
-    for gap in list(_gaps(changed == DOOR, solid, ppm)):
-        swing = _swings(thin, gap)
-        if swing is not None:
-            swept, beyond = swing
-            # What goes on behind it is a wall, however thin.
-            _sweep(changed, solid if solid[beyond].any() else thick, swept)
+    swinging = [
+        (gap, swing)
+        for gap in _gaps(changed == DOOR, solid, ppm)
+        if (swing := _swings(thin, gap)) is not None
+    ]
+    shut = np.zeros_like(solid)  # a leaf may sweep up to the next door
+    for (rows, columns, _, _), _ in swinging:
+        shut[rows, columns] = changed[rows, columns] == DOOR
+    for _, (swept, beyond) in swinging:
+        # What goes on behind it is a wall, however thin.
+        _sweep(changed, shut | (solid if solid[beyond].any() else thick), swept)
 
     def blank(gap: _Gap) -> bool:
         rows, columns, turned, _ = gap

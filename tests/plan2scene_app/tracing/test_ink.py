@@ -129,6 +129,17 @@ def test_leaves_in_a_gap_that_the_network_takes_for_floor_are_a_door(leaves):
     assert (found == (DOOR if leaves else ROOM)).all()
 
 
+def test_a_leaf_that_opens_towards_another_door_leaves_that_whole():
+    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels()).astype(np.uint8)
+    labels[labels == DOOR] = WALL
+    labels[91:118, 150:153] = labels[120:123, 120:147] = DOOR
+    page = solid_page(labels)
+    for hinge, start in (((150, 118), 180), ((120, 120), 270)):
+        cv2.ellipse(page, hinge, (27, 27), 0, start, start + 90, (0, 0, 0), 1)
+    found = with_drawn_doors(labels, page, PPM)
+    assert (found[121, 120:147] == DOOR).all() and (found[92:117, 151] == DOOR).all()
+
+
 def test_two_doors_that_meet_in_a_corner_are_two():
     labels = flat_labels()
     labels[30:33, 212:237] = DOOR
