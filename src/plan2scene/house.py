@@ -111,6 +111,10 @@ class Wall:
             ((self.end[0] - self.start[0]) ** 2 + (self.end[1] - self.start[1]) ** 2) ** 0.5
         )
 
+    def full(self, opening: Opening) -> bool:
+        """Return whether an opening is as high as the wall: nothing is above it."""
+        return opening.top >= self.height - 1e-3
+
 
 @dataclass(frozen=True)
 class Room:

@@ -79,10 +79,12 @@ def fixtures(
 
     `leaf` is the colour of a door's leaves, `trim` that of frames and linings. Leaves open into the
     portal's room where `inwards`, else into the other. A window is a `hatch` between two rooms: a
-    lining and a board, no glass. A `glazed` door is shut.
+    lining and a board, no glass. A `glazed` door is shut. A passage up to the ceiling has nothing.
     """
     hole = portal.hole
     if hole.right - hole.left < 0.15 or hole.top - hole.bottom < 0.15:
+        return []
+    if hole.opening.kind == "passage" and portal.side.wall.full(hole.opening):
         return []
     if hole.opening.kind == "window" or glazed:
         return _window(portal, trim or FRAME_COLOUR, hatch=hatch)

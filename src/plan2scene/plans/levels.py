@@ -91,8 +91,8 @@ def level_of(
 def with_ceilings(house: House, height: float) -> House:
     """Return a house with all its ceilings at `height` metres.
 
-    Walls and openings end there at most. Upper levels move with the ceilings below them: slabs
-    keep their thickness.
+    Walls end there, openings at most: those that reached the ceiling do. Upper levels move with
+    the ceilings below them: slabs keep their thickness.
     """
     levels: list[Level] = []
     for level in house.levels:
@@ -108,7 +108,8 @@ def with_ceilings(house: House, height: float) -> House:
             wall,
             height=height,
             openings=tuple(
-                replace(opening, top=min(opening.top, height)) for opening in wall.openings
+                replace(opening, top=height if wall.full(opening) else min(opening.top, height))
+                for opening in wall.openings
             ),
         )
         for wall in house.walls

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import ndimage
@@ -23,6 +23,7 @@ class TracedOpening:
     room: int
     other: int  #: room behind it; 0: outside
     confidence: float  #: mean probability of its label
+    full: bool = False  #: rooms that meet without a wall: it is as high as they are
 
     @property
     def width(self) -> float:
@@ -196,7 +197,8 @@ def _undrawn_passages(
                 continue
             opening = _opening(edge, low, high, OPENINGS[PASSAGE], 0.5, polygons, regions)
             if opening.other > edge.room and not any(_same(opening, o) for o in drawn):
-                passages.append(opening)
+                full = opening.width >= SETTINGS.open_room * regions.ppm
+                passages.append(replace(opening, full=full))
     return passages
 
 
@@ -240,12 +242,10 @@ def _union(one: TracedOpening, other: TracedOpening, gap: float) -> TracedOpenin
         return one if overlap > 0.5 * other.width else None
     low, high = min(0.0, along[0]), max(one.width, along[1])
     a, b = start + low * way, start + high * way
-    sure = max(one.confidence, other.confidence)
-    return TracedOpening(
-        one.kind,
-        (float(a[0]), float(a[1])),
-        (float(b[0]), float(b[1])),
-        one.room,
-        one.other or other.other,
-        sure,
+    return replace(
+        one,
+        start=(float(a[0]), float(a[1])),
+        end=(float(b[0]), float(b[1])),
+        other=one.other or other.other,
+        confidence=max(one.confidence, other.confidence),
     )

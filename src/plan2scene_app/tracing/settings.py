@@ -167,6 +167,7 @@ class TraceSettings:
     off_wall: float = 0.3  #: m from an outline to an opening's middle, beyond the wall's thickness
     open_floor: float = 0.4  #: m of floor between two rooms that are a passage
     open_beside: float = 0.4  #: m of floor on both sides of one
+    open_room: float = 1.5  #: m from which on it has no lintel
     least_door: float = 0.4  #: m
     least_window: float = 0.3  #: m
     least_passage: float = 0.5  #: m

@@ -506,7 +506,7 @@ def plan_document(plan: TracedPlan, file: str = "") -> dict[str, Any]:
                 "from": metric(opening.start, opening.room),
                 "to": metric(opening.end, opening.room),
                 "bottom": bottom,
-                "top": top,
+                "top": DEFAULT_HEIGHT if opening.full else top,
                 **on_level(opening.room),
             }
         )

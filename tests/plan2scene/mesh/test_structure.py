@@ -157,6 +157,19 @@ def test_the_door_of_a_lived_in_room_to_a_balcony_is_of_glass(gap_house, kinds, 
         assert pane.mesh.bounds[0][1] < 0.1 and pane.mesh.bounds[1][1] > 1.9  # down to the floor
 
 
+@pytest.mark.parametrize(("top", "made"), [(2.0, {"passage"}), (None, set())])
+def test_a_passage_up_to_the_ceiling_has_no_lining(gap_house, top, made):
+    def opened(wall):
+        openings = tuple(
+            dataclasses.replace(o, kind="passage", top=top or wall.height) for o in wall.openings
+        )
+        return dataclasses.replace(wall, openings=openings)
+
+    house = dataclasses.replace(gap_house, walls=tuple(opened(wall) for wall in gap_house.walls))
+    kinds = {part.extras["kind"] for part in assemble(house).parts}
+    assert kinds & {"door", "passage"} == made
+
+
 def test_a_leaf_opens_into_the_room_with_fewer_doors(gap_house):
     def reach(house):
         points = by_name(house)["a/door/ha"].mesh.vertices[:, 0]

@@ -45,6 +45,10 @@ def test_other_ceilings_leave_the_slabs_as_thick_as_they_were():
     assert [(level.elevation, level.height) for level in house.levels] == [(0.0, 2.0), (2.3, 2.0)]
     assert {room.height for room in house.rooms} | {wall.height for wall in house.walls} == {2.0}
     assert max(hole.top for wall in house.walls for hole in wall.openings) == 2.0
+    full = [wall.full(hole) for wall in house.walls for hole in wall.openings]
+    assert any(full)
+    higher = with_ceilings(house, 3.0)  # what reached the ceiling still does
+    assert full == [wall.full(hole) for wall in higher.walls for hole in wall.openings]
     assert list(house_faults(house)) == []
 
 

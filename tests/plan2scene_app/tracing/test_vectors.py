@@ -44,8 +44,8 @@ def test_floor_that_goes_on_is_a_passage():
     probabilities = as_probabilities(labels)
     regions, polygons = traced(probabilities)
     assert regions.count == 2
-    kinds = [o.kind for o in find_openings(regions, polygons, probabilities) if o.other]
-    assert kinds == ["passage"]
+    between = [o for o in find_openings(regions, polygons, probabilities) if o.other]
+    assert [(o.kind, o.full) for o in between] == [("passage", False)]
 
 
 @pytest.mark.parametrize(
@@ -62,7 +62,7 @@ def test_rooms_that_meet_without_a_wall_are_open_all_along(label, box):
     regions = replace(regions, structure=np.minimum(labels, ROOM))
     between = [o for o in find_openings(regions, polygons, as_probabilities(labels)) if o.other]
     assert [o.kind for o in between] == ["passage"]
-    assert between[0].width == pytest.approx(2.9 * PPM, rel=0.1)
+    assert between[0].width == pytest.approx(2.9 * PPM, rel=0.1) and between[0].full
 
 
 def test_the_strip_of_a_cupboard_along_a_wall_is_no_passage():
