@@ -144,9 +144,9 @@ def test_a_photo_of_some_bedroom_is_used_where_no_surer_one_shows_that_room():
     assert some.of_kind == pytest.approx(0.39)
     some = some._replace(of_kind=0.6)
     sure = Likely("bed_1", 0.9, 0.95)
-    assert used_photos({"a": some, "b": some._replace(of_kind=0.39)}, ()) == {"a"}
+    assert used_photos({"a": some, "b": some._replace(of_kind=0.49)}, ()) == {"a"}
     # A photo of no clear kind is of no use, however it is with its room.
-    assert used_photos({"a": some._replace(probability=0.3, of_kind=0.39)}, ()) == set()
+    assert used_photos({"a": some._replace(probability=0.3, of_kind=0.49)}, ()) == set()
     assert used_photos({"a": some, "c": sure}, ()) == {"c"}
     assert used_photos({"a": some}, {"bed_1"}) == set()
     # A guess that is much less probable than the best one is of another room.

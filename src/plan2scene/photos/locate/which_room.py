@@ -91,12 +91,9 @@ class WhichRoomSettings:
     main: tuple[str, ...] = ("Reception", "Kitchen", "Bedroom", "Bathroom")
     #: Probability that a photo shows no room, without evidence.
     nowhere: float = 0.03
-    #: A room less probable than this is a guess: the photo more likely shows another.
+    #: A room less probable than this is a guess: the photo more likely shows another. Rooms that
+    #: no photo shows more surely are made of it where it so probably shows one of their kind.
     least: float = 0.5
-    #: Rooms that no photo shows more surely are made of a photo that so probably shows one of
-    #: their kind: then its floor is of the right material. Chosen on two listings (development);
-    #: two others use the same photos with 0.25 of the room itself.
-    guess: float = 0.4
     #: Of the guesses for a room those are used that are so nearly as probable as the best: others
     #: are photos of other rooms, which would mix floors. Seen on one listing; of six photos of four
     #: that .8 used and this does not, five show another room.
@@ -284,7 +281,7 @@ def used_photos(likely: Mapping[str, Likely], told: Collection[str]) -> set[str]
             or (
                 best[room] < WHICH.least
                 and p >= WHICH.near_best * best[room]
-                and of_kind >= WHICH.guess
+                and of_kind >= WHICH.least
             )
         )
     }
