@@ -1,11 +1,7 @@
 """Drawn plans and the network that learns from them."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-import shapely
-from shapely.geometry import LineString
 
 from plan2scene.seeds import generator
 from plan2scene_app.tracing.settings import DOOR, LABEL_OF_TYPE, ROOM, WALL, WINDOW
@@ -49,13 +45,3 @@ def test_openings_lie_in_walls_that_close_the_rooms(drawn):
         assert (a[rooms] == b[rooms]).all()
         assert not (((a == 0) & (b >= ROOM)) | ((b == 0) & (a >= ROOM))).any()
     assert (drawn.labels == WALL).any()
-
-
-def test_solid_blocks_in_rooms_are_walls_clear_of_openings(house):
-    rng = generator(1, "test blocks")
-    drawn = draw_plan(house, replace(draw_style(rng), blocks=1.0), 24.0, rng)
-    blocks = shapely.get_parts(drawn.plan.blocks)
-    assert len(blocks) >= 3
-    for block in blocks:
-        assert label_at(drawn, block.centroid.x, block.centroid.y) == WALL
-        assert not any(block.intersects(LineString([g.start, g.end])) for g in drawn.plan.gaps)

@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 
 from plan2scene_workshop.plans.sheet import Sheet
-from plan2scene_workshop.plans.structure import Gap, Structure
+from plan2scene_workshop.plans.structure import Structure
 from plan2scene_workshop.plans.style import PlanStyle
 
 _NOTES = ("BH 700", "+0.00", "OK 2.40", "A", "1:100", "Nachbar", "REF.", "fenetre 90", "12")
@@ -29,9 +29,6 @@ def draw_clutter(sheet: Sheet, plan: Structure, style: PlanStyle, rng: np.random
             font = "sans" if style.font == "hand" else style.font
             text = str(rng.choice(_NOTES))
             sheet.write(text, spot, 0.7 * style.text_height, style.pen, font, upright=upright)
-    for gap in plan.gaps:
-        if gap.outer and gap.kind == "door" and rng.random() < 0.25:
-            _way_in(sheet, gap, style, rng)
     if rng.random() < 0.12:
         corner = np.array([rng.choice([x0, x1]), rng.choice([z0, z1])])
         stub = corner + rng.uniform(-1.5, 1.5, 2)
@@ -47,17 +44,6 @@ def draw_clutter(sheet: Sheet, plan: Structure, style: PlanStyle, rng: np.random
         edge = float(rng.uniform(0.1, 0.5))
         page = shapely.box(*sheet.origin, *(sheet.origin + size))
         sheet.fill_shape(page.difference(page.buffer(-edge)), style.ink)
-
-
-def _way_in(sheet: Sheet, gap: Gap, style: PlanStyle, rng: np.random.Generator) -> None:
-    """Draw a triangle or an arrow that points from outside to a door."""
-    size = float(rng.uniform(0.15, 0.45))
-    tip = (gap.start + gap.end) / 2 - gap.normal * (gap.depth / 2 + float(rng.uniform(0.1, 1.2)))
-    across = np.array([-gap.normal[1], gap.normal[0]]) * size / 2
-    back = tip - gap.normal * size
-    sheet.fill([tip, back + across, back - across], style.ink)
-    if rng.random() < 0.4:
-        sheet.line([back, back - gap.normal * size], style.ink, style.weight + 1)
 
 
 def _neighbour(

@@ -13,7 +13,7 @@ import shapely.affinity
 from plan2scene.house import House
 from plan2scene_app.tracing.settings import DOOR, LABEL_OF_TYPE, OUTSIDE, PASSAGE, WALL, WINDOW
 from plan2scene_workshop.plans.clutter import draw_clutter
-from plan2scene_workshop.plans.furnish import furnish, with_blocks
+from plan2scene_workshop.plans.furnish import furnish
 from plan2scene_workshop.plans.lettering import dimension_chains, name_rooms, surroundings
 from plan2scene_workshop.plans.openings import draw_gap
 from plan2scene_workshop.plans.sheet import Sheet
@@ -50,7 +50,6 @@ def draw_plan(
         opened=style.opened,
         windows=style.window != "none",
     )
-    plan = with_blocks(plan, style.blocks, rng)
     x0, z0, x1, z1 = shapely.union_all([plan.outer, plan.rails, *plan.rooms]).bounds
     low, high = MARGIN_M
     high += 1.0 if style.chains != "none" else 0.0
@@ -90,7 +89,7 @@ def plan_labels(
     least = 3.0 / ppm
     for room, types in zip(plan.rooms, plan.types, strict=True):
         sheet.mark(labels, room, LABEL_OF_TYPE[types[0]])
-    for body in (plan.rails, plan.inner, plan.outer, plan.blocks):
+    for body in (plan.rails, plan.inner, plan.outer):
         sheet.mark(labels, body, WALL)
     gaps = shapely.union_all([shapely.Polygon(g.corners(g.depth + 0.02)) for g in plan.gaps])
     lines = shapely.union_all([room.exterior for room in plan.rooms])
@@ -104,7 +103,7 @@ def plan_labels(
 
 
 def _floors(sheet: Sheet, plan: Structure, style: PlanStyle, rng: np.random.Generator) -> None:
-    """Paint floors: none, one colour, one for each type, tiles, boards or grain in some rooms."""
+    """Paint floors: none, one colour, one for each type, or tiles and boards in some rooms."""
     if style.floor == "none":
         return
     tints = {}
@@ -125,32 +124,9 @@ def _floors(sheet: Sheet, plan: Structure, style: PlanStyle, rng: np.random.Gene
             ramp = np.linspace(0.75, 1.1, mask.shape[1])[None, :, None]
             shaded = np.clip(sheet.image[place] * ramp, 0, 255).astype(np.uint8)
             sheet.image[place] = np.where(mask[..., None], shaded, sheet.image[place])
-        if style.floor == "textured":
-            if types[0] not in tints:
-                tints[types[0]] = tuple(
-                    int(v) for v in rng.integers(110, 235) + rng.integers(-25, 21, 3)
-                )
-            _grain(sheet, room, tints[types[0]], rng)
         wet = types[0] in ("Bathroom", "Kitchen", "Balcony", "Terrace")
         if rng.random() < (0.7 if wet else 0.25):
             _pattern(sheet, room, style, rng, wet=wet)
-
-
-def _grain(
-    sheet: Sheet, room: shapely.Polygon, tint: tuple[int, ...], rng: np.random.Generator
-) -> None:
-    """Fill a room with what looks photographed: boards of many tones, or a mottled stone."""
-    place = sheet.window(room)
-    h, w = sheet.image[place].shape[:2]
-    board = max(2, round(float(rng.uniform(0.08, 0.3)) * sheet.ppm))
-    long = board * int(rng.integers(1, 9))
-    tones = rng.normal(1, float(rng.uniform(0.02, 0.1)), (h // board + 1, w // long + 1))
-    tones = tones.repeat(board, 0).repeat(long, 1)[:h, :w]
-    coarse = rng.normal(0, float(rng.uniform(0.01, 0.08)), (h // board + 2, w // board + 2))
-    tones += cv2.resize(coarse, (w, h), interpolation=cv2.INTER_CUBIC)
-    floor = np.clip(np.array(tint) * tones[..., None], 0, 255).astype(np.uint8)
-    mask = sheet.mask(room)[place][..., None]
-    sheet.image[place] = np.where(mask, floor, sheet.image[place])
 
 
 def _pattern(
@@ -190,16 +166,14 @@ def _walls(sheet: Sheet, plan: Structure, style: PlanStyle, rng: np.random.Gener
         ).difference(gaps)
         for part in shapely.get_parts(shapely.line_merge(lines)):
             sheet.line(np.array(part.coords), style.ink, weight)
-        sheet.outline(plan.blocks, style.ink, weight)
         return
     if style.wall == "mixed":
         sheet.fill_shape(plan.outer, style.ink)
         middles = shapely.union_all([room.exterior for room in plan.rooms])
         for part in shapely.get_parts(shapely.line_merge(middles.intersection(plan.inner))):
             sheet.line(np.array(part.coords), style.pen, style.thin)
-        sheet.outline(plan.blocks, style.pen, style.thin)
         return
-    bodies = shapely.union_all([plan.inner, plan.outer, plan.blocks])
+    bodies = shapely.union_all([plan.inner, plan.outer])
     if rng.random() < 0.06:  # the walls' shadow on the floors
         dark = sheet.mask(shapely.affinity.translate(bodies, 0.08, 0.08))[..., None]
         sheet.image[:] = np.where(dark, sheet.image // 4 * 3, sheet.image)

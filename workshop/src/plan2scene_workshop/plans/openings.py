@@ -11,11 +11,6 @@ from plan2scene_workshop.plans.sheet import Sheet
 from plan2scene_workshop.plans.structure import Gap
 from plan2scene_workshop.plans.style import PlanStyle
 
-#: How wide doors are drawn, and how often.
-_WIDE = {"sliding": 0.35, "double_leaf": 0.35, "bifold": 0.2, "gap": 0.1}
-#: Chance that a door to the outside opens outwards.
-_OUTWARDS = 0.35
-
 _Draw = Callable[[Sheet, Gap, PlanStyle, np.random.Generator], None]
 
 
@@ -27,7 +22,7 @@ def draw_gap(sheet: Sheet, gap: Gap, style: PlanStyle, rng: np.random.Generator)
         "passage": (_PASSAGES, style.passage),
     }[gap.kind]
     if gap.kind == "door" and gap.width > 1.25:
-        name = str(rng.choice(list(_WIDE), p=list(_WIDE.values())))
+        name = "sliding" if rng.random() < 0.5 else "double_leaf"
     registry[name](sheet, gap, replace(style, door=name) if gap.kind == "door" else style, rng)
 
 
@@ -42,7 +37,7 @@ def _arc(
 def _leaf(gap: Gap, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return hinge, closed leaf and the leaf open at a right angle as vectors."""
     hinge, other = (gap.start, gap.end) if rng.random() < 0.5 else (gap.end, gap.start)
-    side = gap.normal if not gap.outer or rng.random() >= _OUTWARDS else -gap.normal
+    side = gap.normal if not gap.outer or rng.random() < 0.8 else -gap.normal
     base = hinge + side * gap.depth / 2 * float(rng.choice([0.0, 1.0]))
     return base, other - hinge, side * gap.width
 
@@ -91,26 +86,6 @@ def _sliding(sheet: Sheet, gap: Gap, style: PlanStyle, rng: np.random.Generator)
     overlap = (gap.end - gap.start) * 0.05
     sheet.line([gap.start + lift, middle + lift + overlap], style.pen, style.weight)
     sheet.line([middle - lift - overlap, gap.end - lift], style.pen, style.weight)
-
-
-def _pocket(sheet: Sheet, gap: Gap, style: PlanStyle, rng: np.random.Generator) -> None:
-    """Draw a leaf that slides along the wall or into it."""
-    start, end = (gap.start, gap.end) if rng.random() < 0.5 else (gap.end, gap.start)
-    before_wall = rng.random() < 0.5
-    lift = gap.normal * (gap.depth / 2 + 0.04 if before_wall else 0.0)
-    moved = (end - start) * float(rng.uniform(0.2, 0.9))
-    sheet.line([start + lift - moved, end + lift - moved], style.pen, style.weight)
-
-
-def _bifold(sheet: Sheet, gap: Gap, style: PlanStyle, rng: np.random.Generator) -> None:
-    """Draw pairs of leaves that fold: a zigzag at each jamb, or at one."""
-    side = gap.normal if rng.random() < 0.5 else -gap.normal
-    leaf = gap.width / (4 if gap.width > 1.0 else 2)
-    bend = np.deg2rad(float(rng.uniform(15, 80)))
-    for start, end in ((gap.start, gap.end), (gap.end, gap.start))[: 2 if gap.width > 1.0 else 1]:
-        step = (end - start) / gap.width * leaf * np.cos(bend)
-        peak = start + step + side * leaf * np.sin(bend)
-        sheet.line([start, peak, start + 2 * step], style.pen, style.weight)
 
 
 def _double_leaf(sheet: Sheet, gap: Gap, style: PlanStyle, rng: np.random.Generator) -> None:
@@ -240,8 +215,6 @@ _DOORS: dict[str, _Draw] = {
     "gap": _door_gap,
     "box": _door_box,
     "sliding": _sliding,
-    "pocket": _pocket,
-    "bifold": _bifold,
     "double_leaf": _double_leaf,
 }
 _WINDOWS: dict[str, _Draw] = {

@@ -57,7 +57,6 @@ class Structure:
     rails: shapely.Geometry  #: around balconies and terraces
     inner_depth: float
     outer_depth: float
-    blocks: shapely.Geometry  #: chimney breasts, pillars and ends of walls in rooms
 
     def indoor(self, index: int) -> bool:
         """Return whether a room is inside."""
@@ -100,7 +99,7 @@ def structure_of(
     holes = shapely.union_all([Polygon(g.corners(g.depth * 1.02 + 0.004)) for g in gaps])
     inner, outer, rails = (body.difference(holes) for body in (inner, ring, rails))
     return Structure(
-        tuple(rooms), types, tuple(gaps), inner, outer, rails, inner_depth, outer_depth, Polygon()
+        tuple(rooms), types, tuple(gaps), inner, outer, rails, inner_depth, outer_depth
     )
 
 

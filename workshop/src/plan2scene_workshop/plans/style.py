@@ -29,8 +29,6 @@ CHOICES: dict[str, dict[str, float]] = {
         "gap": 3.0,
         "box": 2.0,
         "sliding": 0.7,
-        "pocket": 0.7,
-        "bifold": 0.5,
     },
     "window": {
         "lines": 4.0,
@@ -46,8 +44,8 @@ CHOICES: dict[str, dict[str, float]] = {
     },
     "passage": {"gap": 4.0, "dashed": 1.5, "lines": 1.0, "line": 1.5, "dotted": 0.5},
     "rail": {"outline": 4.0, "dashed": 1.5, "line": 1.0, "posts": 0.7},
-    "floor": {"none": 6.0, "one": 1.5, "by_type": 2.5, "pattern": 2.0, "textured": 2.0},
-    "furniture": {"none": 2.5, "lines": 5.0, "filled": 1.5, "shaded": 1.5},
+    "floor": {"none": 6.0, "one": 1.5, "by_type": 2.5, "pattern": 2.0},
+    "furniture": {"none": 2.5, "lines": 6.0, "filled": 2.0},
     "names": {"none": 1.5, "names": 2.5, "areas": 3.5, "dimensions": 2.5, "both": 0.7},
     "chains": {"none": 4.0, "total": 1.5, "steps": 3.0},
     "unit": {"m": 3.0, "cm": 2.0, "mm": 2.0, "ft": 1.3},
@@ -64,8 +62,6 @@ HELD_OUT: dict[str, dict[str, float]] = {
 
 #: Chances that inner doors are open passages; homes have few of their own.
 OPENED = (0.0, 0.2, 0.5)
-#: Chances that a room has a chimney breast, a pillar or the end of a wall.
-BLOCKS = (0.0, 0.0, 0.15, 0.35)
 
 
 @dataclass(frozen=True)
@@ -91,7 +87,6 @@ class PlanStyle:
     rail_depth: float
     cut_corners: float
     opened: float  #: chance that an inner door is a passage
-    blocks: float  #: chance that a room has a solid block at a wall
     paper: Colour
     ink: Colour  #: of walls
     pen: Colour  #: of thin lines
@@ -163,7 +158,6 @@ def draw_style(rng: np.random.Generator, *, held_out: bool = False) -> PlanStyle
         thin=1 if rng.random() < 0.75 else 2,
         text_height=float(rng.uniform(0.16, 0.36)),
         opened=0.0 if held_out else float(rng.choice(OPENED)),
-        blocks=float(rng.choice(BLOCKS)),
         hand=hand,
     )
     if wall == "mixed" and rng.random() < 0.4:  # the sparest drawings: no leaf, often no window
