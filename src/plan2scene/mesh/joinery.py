@@ -98,12 +98,17 @@ def is_hatch(portal: Portal, indoors: Collection[str]) -> bool:
 
 
 def is_glazed(portal: Portal, rooms: Mapping[str, Room]) -> bool:
-    """Return whether a door leads to a balcony or terrace from one of the `rooms` lived in."""
-    if portal.hole.opening.kind != "door" or portal.other is None:
+    """Return whether a door leads from one of the `rooms` lived in to a balcony or terrace.
+
+    One with two leaves to the outside is a patio door, too.
+    """
+    if portal.hole.opening.kind != "door":
         return False
-    joined = rooms[portal.side.room_id], rooms[portal.other]
+    wide = portal.width > JOINERY.two_leaves
+    joined = [rooms[room] for room in (portal.side.room_id, portal.other) if room is not None]
     indoors = [room for room in joined if not room.open_air]
-    return len(indoors) == 1 and bool(GLAZED & set(indoors[0].types))
+    outside = len(joined) > len(indoors) or (portal.other is None and wide)
+    return len(indoors) == 1 and outside and bool(GLAZED & set(indoors[0].types))
 
 
 def _centre(portal: Portal) -> np.ndarray:

@@ -77,6 +77,11 @@ def with_drawn_doors(structure: np.ndarray, image: np.ndarray, ppm: float) -> np
                 part = changed[rows, columns]
                 part[part != ROOM] = DOOR
                 part[solid[rows, columns]] = WALL
+    for rows, columns, _, width in list(_gaps(np.isin(changed, (DOOR, WINDOW)), solid, ppm)):
+        part = changed[rows, columns]  # from jamb to jamb it is one opening
+        share = (part == DOOR).sum() / np.isin(part, (DOOR, WINDOW)).sum()
+        if share >= SETTINGS.half_door and width <= SETTINGS.double_door * ppm:
+            part[part == WINDOW] = DOOR
     changed = _parted(changed, [g for g in _facing(solid, ppm) if _swings(thin, g)], solid, ppm)
     thick = solid_walls(ink, 2 * ppm)
     swinging = [

@@ -102,6 +102,7 @@ class TraceSettings:
     gap: tuple[float, float] = (0.45, 3.0)  #: m of a gap in a solid wall
     door_gap: tuple[float, float] = (0.55, 1.3)  #: m of one between rooms that is a door
     double_door: float = 2.0  #: m of the widest one whose leaves are drawn
+    half_door: float = 0.35  #: share of a gap's openings that are doors: it is one, not a window
     unswung: float = 0.34  #: share of doors without a drawn swing below which they are passages
     gap_faint: float = 0.8  #: share of a wider one in which no line is dark: a passage
     arc_angles: tuple[float, float] = (15.0, 75.0)  #: degrees of an arc that are looked at

@@ -157,6 +157,20 @@ def test_the_door_of_a_lived_in_room_to_a_balcony_is_of_glass(gap_house, kinds, 
         assert pane.mesh.bounds[0][1] < 0.1 and pane.mesh.bounds[1][1] > 1.9  # down to the floor
 
 
+@pytest.mark.parametrize(("end", "glazed"), [(2.6, True), (1.8, False)])
+def test_a_wide_door_to_the_outside_is_of_glass(gap_house, end, glazed):
+    walls = tuple(
+        dataclasses.replace(
+            wall, openings=tuple(dataclasses.replace(o, end=end) for o in wall.openings)
+        )
+        for wall in gap_house.walls
+        if wall.room_ids == ("a",)
+    )
+    door = (Door("a", "ha", None),)
+    alone = dataclasses.replace(gap_house, rooms=gap_house.rooms[:1], walls=walls, doors=door)
+    assert any(part.extras["kind"] == "glass" for part in assemble(alone).parts) is glazed
+
+
 @pytest.mark.parametrize(("top", "made"), [(2.0, {"passage"}), (None, set())])
 def test_a_passage_up_to_the_ceiling_has_no_lining(gap_house, top, made):
     def opened(wall):

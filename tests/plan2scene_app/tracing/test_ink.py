@@ -140,6 +140,14 @@ def test_a_leaf_that_opens_towards_another_door_leaves_that_whole():
     assert (found[121, 120:147] == DOOR).all() and (found[92:117, 151] == DOOR).all()
 
 
+@pytest.mark.parametrize(("doors", "found"), [(20, [DOOR]), (6, [DOOR, WINDOW])])
+def test_a_gap_that_is_half_a_door_and_half_a_window_is_a_door(doors, found):
+    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels()).astype(np.uint8)
+    labels[30:33, 180 : 180 + doors] = DOOR  # of a window of 45 pixels
+    changed = with_drawn_doors(labels, solid_page(labels), PPM)
+    assert np.unique(changed[31, 180:225]).tolist() == found
+
+
 def test_two_doors_that_meet_in_a_corner_are_two():
     labels = flat_labels()
     labels[30:33, 212:237] = DOOR
