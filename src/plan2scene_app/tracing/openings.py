@@ -9,8 +9,8 @@ from scipy import ndimage
 from shapely.geometry import Polygon
 
 from plan2scene.plans.geometry import ring_edges
-from plan2scene_app.tracing.regions import Regions, touches_open_floor
-from plan2scene_app.tracing.settings import OPENINGS, PASSAGE, SETTINGS
+from plan2scene_app.tracing.regions import Regions, labels_at
+from plan2scene_app.tracing.settings import OPENINGS, PASSAGE, ROOM, SETTINGS
 
 
 @dataclass(frozen=True)
@@ -189,16 +189,17 @@ def _undrawn_passages(
         steps = np.arange(0.5, edge.length, 1.0)
         line = edge.start + steps[:, None] * edge.way
         across = np.arange(-beside, beside + 0.5)[:, None, None] * edge.inwards
-        is_open = touches_open_floor(regions, (line + across).reshape(-1, 2))
-        runs, count = ndimage.label(is_open.reshape(len(across), len(line)).all(axis=0))
+        is_open = np.isin(labels_at(regions, line + across), (ROOM, PASSAGE))
+        runs, count = ndimage.label(is_open.all(axis=0))
         for (run,) in ndimage.find_objects(runs, count):
             low, high = float(steps[run.start]) - 0.5, float(steps[run.stop - 1]) + 0.5
             if high - low < SETTINGS.open_floor * regions.ppm:
                 continue
             opening = _opening(edge, low, high, OPENINGS[PASSAGE], 0.5, polygons, regions)
             if opening.other > edge.room and not any(_same(opening, o) for o in drawn):
-                full = opening.width >= SETTINGS.open_room * regions.ppm
-                passages.append(replace(opening, full=full))
+                blank = float((labels_at(regions, line[run]) == ROOM).mean())
+                wide = opening.width >= SETTINGS.open_room * regions.ppm
+                passages.append(replace(opening, full=wide and blank >= SETTINGS.open_blank))
     return passages
 
 

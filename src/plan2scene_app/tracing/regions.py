@@ -193,15 +193,11 @@ def without_open_rooms(regions: Regions) -> Regions:
     return replace(regions, rooms=rooms, floors=floors, count=int(kept.sum()))
 
 
-def touches_open_floor(regions: Regions, line: np.ndarray) -> np.ndarray:
-    """Return where floor goes on across a line (n, 2) of pixels x, y between two rooms, (n,) bool.
-
-    There is no wall and no symbol of an opening: a passage that is not drawn.
-    """
+def labels_at(regions: Regions, points: np.ndarray) -> np.ndarray:
+    """Return the structure (...) at points (..., 2) of pixels x, y."""
     h, w = regions.structure.shape
-    x = np.clip(np.round(line[:, 0]).astype(int), 0, w - 1)
-    y = np.clip(np.round(line[:, 1]).astype(int), 0, h - 1)
-    return np.isin(regions.structure[y, x], (ROOM, PASSAGE))
+    x, y = np.moveaxis(np.round(points).astype(int), -1, 0)
+    return np.asarray(regions.structure[np.clip(y, 0, h - 1), np.clip(x, 0, w - 1)])
 
 
 @dataclass(frozen=True)

@@ -169,6 +169,7 @@ class TraceSettings:
     open_floor: float = 0.4  #: m of floor between two rooms that are a passage
     open_beside: float = 0.4  #: m of floor on both sides of one
     open_room: float = 1.5  #: m from which on it has no lintel
+    open_blank: float = 0.8  #: share of such a one that no symbol of a passage is drawn in
     least_door: float = 0.4  #: m
     least_window: float = 0.3  #: m
     least_passage: float = 0.5  #: m
