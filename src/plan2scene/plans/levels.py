@@ -91,8 +91,8 @@ def level_of(
 def with_ceilings(house: House, height: float) -> House:
     """Return a house with all its ceilings at `height` metres.
 
-    Walls end there, openings at most: those that reached the ceiling do. Upper levels move with
-    the ceilings below them: slabs keep their thickness.
+    Walls end there. Openings that reached the ceiling still do, others stay below it. Upper levels
+    move with the ceilings below them: slabs keep their thickness.
     """
     levels: list[Level] = []
     for level in house.levels:

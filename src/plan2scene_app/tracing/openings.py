@@ -23,7 +23,7 @@ class TracedOpening:
     room: int
     other: int  #: room behind it; 0: outside
     confidence: float  #: mean probability of its label
-    full: bool = False  #: rooms that meet without a wall: it is as high as they are
+    full: bool = False  #: it reaches the ceiling: no wall is drawn between the rooms
 
     @property
     def width(self) -> float:
@@ -177,8 +177,8 @@ def _undrawn_passages(
 ) -> list[TracedOpening]:
     """Return passages where floor goes on from one room to the next without a wall.
 
-    There is none beside a `known` door or window: what is drawn of its wall is too faint. Of a
-    known passage they may be more. The strip of a cupboard along a wall is no floor that goes on.
+    There is none where a `known` door or window is: the wall around it is there, but too faint. A
+    known passage may be a part of one. The strip of a cupboard along a wall does not count.
     """
     beside = SETTINGS.open_beside * regions.ppm
     drawn = [opening for opening in known if opening.kind != OPENINGS[PASSAGE]]

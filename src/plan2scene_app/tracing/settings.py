@@ -102,7 +102,7 @@ class TraceSettings:
     gap: tuple[float, float] = (0.45, 3.0)  #: m of a gap in a solid wall
     door_gap: tuple[float, float] = (0.55, 1.3)  #: m of one between rooms that is a door
     double_door: float = 2.0  #: m of the widest one whose leaves are drawn
-    half_door: float = 0.35  #: share of a gap's openings that are doors: it is one, not a window
+    half_door: float = 0.35  #: share of door in a gap with door and window: all of it is a door
     unswung: float = 0.34  #: share of doors without a drawn swing below which they are passages
     gap_faint: float = 0.8  #: share of a wider one in which no line is dark: a passage
     arc_angles: tuple[float, float] = (15.0, 75.0)  #: degrees of an arc that are looked at
@@ -167,9 +167,9 @@ class TraceSettings:
     joined: float = 0.2  #: m within which two on a wall are one
     off_wall: float = 0.3  #: m from an outline to an opening's middle, beyond the wall's thickness
     open_floor: float = 0.4  #: m of floor between two rooms that are a passage
-    open_beside: float = 0.4  #: m of floor on both sides of one
-    open_room: float = 1.5  #: m from which on it has no lintel
-    open_blank: float = 0.8  #: share of such a one that no symbol of a passage is drawn in
+    open_beside: float = 0.4  #: m of floor on both sides of such a passage
+    open_room: float = 1.5  #: m of its width from which on it has no lintel
+    open_blank: float = 0.8  #: share of it without a passage's symbol: else it has one
     least_door: float = 0.4  #: m
     least_window: float = 0.3  #: m
     least_passage: float = 0.5  #: m
