@@ -77,7 +77,7 @@ def with_drawn_doors(structure: np.ndarray, image: np.ndarray, ppm: float) -> np
                 part = changed[rows, columns]
                 part[part != ROOM] = DOOR
                 part[solid[rows, columns]] = WALL
-    for rows, columns, _, width in list(_gaps(np.isin(changed, (DOOR, WINDOW)), solid, ppm)):
+    for rows, columns, _, width in _gaps(np.isin(changed, (DOOR, WINDOW)), solid, ppm):
         part = changed[rows, columns]  # from jamb to jamb it is one opening
         share = (part == DOOR).sum() / np.isin(part, (DOOR, WINDOW)).sum()
         if share >= SETTINGS.half_door and width <= SETTINGS.double_door * ppm:

@@ -194,7 +194,7 @@ def without_open_rooms(regions: Regions) -> Regions:
 
 
 def labels_at(regions: Regions, points: np.ndarray) -> np.ndarray:
-    """Return the structure (...) at points (..., 2) of pixels x, y."""
+    """Return the structure (...) uint8 at points (..., 2) of pixels x, y; beyond it the edge's."""
     h, w = regions.structure.shape
     x, y = np.moveaxis(np.round(points).astype(int), -1, 0)
     return np.asarray(regions.structure[np.clip(y, 0, h - 1), np.clip(x, 0, w - 1)])
