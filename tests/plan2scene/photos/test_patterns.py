@@ -241,6 +241,17 @@ def test_units_are_whole_and_without_joints():
     assert units.joint_m * units.joint.mean() == pytest.approx(0.003 * 0.4, rel=0.5)
 
 
+def test_light_joints_are_laid_between_tiles_but_not_between_boards_of_any_length():
+    tiles, of_tiles = floor_patterns([view(1.0 - floor(4, 16, 0.5, seed=3), 0.0)], {})["hall"]
+    assert tiles.line == "light" and of_tiles.joint.mean() < -0.2
+    offsets = np.random.default_rng(1).uniform(0, 1, 28)
+    layout = bonds.bond(SIZE_PX, 1, 28, SIDE_M, offsets)
+    shining = made_of(layout, seed=3, turned=True, joint=-0.15)
+    boards, of_boards = floor_patterns([view(shining, 0.0)], {})["hall"]
+    assert boards.line == "light" and np.isnan(boards.length_m)
+    assert of_boards.images and of_boards.joint.tolist() == [0, 0, 0]
+
+
 def test_of_many_units_the_most_usual_are_laid(monkeypatch):
     image = floor(4, 16, 0.5, seed=3)
     blots = np.random.default_rng(3).normal(0, 1.0, image.shape[:2])

@@ -83,6 +83,8 @@ def cut_units(pattern: FoundPattern, readings: Sequence[Reading]) -> Units:
             profiles += rows.profiles()
             cut += list(rows.units())
     joint, joint_m = _joint(profiles)
+    if not np.isfinite(pattern.length_m):
+        joint = np.maximum(joint, 0.0)  # boards of any length have no grout: a light joint shines
     seen = unlaid(readings[0].view).shown if shown is None else shown
     return Units(_alike(cut), joint, joint_m, seen)
 
