@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from plan2scene.colour import srgb_to_linear
@@ -43,6 +44,10 @@ class LightSettings:
     middle: float = 0.9  #: median light of a house after exposure
     before_m: float = 0.1  #: plain things have the light of walls near a point so far before them
     near_texels: int = 24  #: number of texels near it
+    #: Mean light of floors for that of the walls of rooms open to each other. A floor's paint is
+    #: its ratio to walls in photos and holds what more or less light it had there: so photos show
+    #: it, in the mean of 32 of four real listings (development).
+    floor: float = 1.1
     brightest: float = 1.3  #: mean light that a room or a balcony has at most
     knee: float = 0.75  #: linear value from which highlights of pictures are compressed
 
@@ -133,9 +138,15 @@ def bake_light(
     for _ in range(LIGHT.bounces):
         known = np.vstack([light, np.median(light, axis=0)]) * reflected
         light = direct + sky + _gathered(known, seen)
-    light *= LIGHT.middle / max(float(np.median(light.mean(axis=1))), 1e-6)
     names = np.array([str(chart.part.extras.get("room_id", "")) for chart in charts])
-    owner = names[texels.charts]
+    kinds = np.array([str(chart.part.extras.get("kind", "")) for chart in charts])
+    owner, upright = names[texels.charts], kinds[texels.charts] == "wall"
+    under = np.isin(kinds[texels.charts], ("floor", "threshold"))
+    for rooms in _open_to_each_other(house):
+        floor, wall = (np.isin(owner, rooms) & those for those in (under, upright))
+        if floor.any() and wall.any():
+            light[floor] *= LIGHT.floor * light[wall].mean() / max(light[floor].mean(), 1e-6)
+    light *= LIGHT.middle / max(float(np.median(light.mean(axis=1))), 1e-6)
     for room in np.unique(owner):  # eyes get used to a terrace's light
         mine = owner == room
         light[mine] *= min(1.0, LIGHT.brightest / max(float(light[mine].mean()), 1e-6))
@@ -149,8 +160,6 @@ def bake_light(
             values[:] = np.median(light, axis=0)
         chart.paste(image, *_continued(_smooth(values, inside), inside))
         start += count
-    kinds = np.array([chart.part.extras.get("kind") == "wall" for chart in charts])
-    upright = kinds[texels.charts]
     walls = None
     if upright.any():
         walls = cKDTree(texels.points[upright]), light[upright], owner[upright]
@@ -175,6 +184,18 @@ def mean_colours(textures: Mapping[SurfaceKey, TileTexture]) -> dict[SurfaceKey,
         if tile.png not in made:
             made[tile.png] = srgb_to_linear(image_from_bytes(tile.png)).mean(axis=(0, 1))
     return {key: made[tile.png] for key, tile in textures.items()}
+
+
+def _open_to_each_other(house: House) -> list[list[str]]:
+    """Return the ids of all rooms, those together that passages join."""
+    passages = {o.id for wall in house.walls for o in wall.openings if o.kind == "passage"}
+    pairs = [(d.room_a, d.room_b) for d in house.doors if d.opening_id in passages and d.room_b]
+    index = {room.id: k for k, room in enumerate(house.rooms)}
+    joined = np.zeros((len(index), len(index)), bool)
+    for a, b in pairs:
+        joined[index[a], index[b]] = True
+    count, labels = connected_components(joined, directed=False)
+    return [[room for room, k in index.items() if labels[k] == group] for group in range(count)]
 
 
 def _texels(

@@ -19,12 +19,13 @@ vec3 neutral(vec3 colour) {
   return mix(vec3(end), colour * (end / peak), 1.0 / (0.15 * (peak - end) + 1.0));
 }`;
 
-// Vertices have the light of the sky; a lamp's is worked out for each pixel.
+// Vertices have the light of the sky; a lamp's is worked out for each pixel. Floors have hardly more
+// than walls: their colour is their ratio to walls in photos.
 const SKY = `
 #if LOOK == 1
 varying float sky;
 float skyLight(vec3 n) {
-  return n.y < -0.5 ? 0.92 : mix(0.78, 0.86, 0.5 + 0.5 * n.y) + 0.26 * max(dot(n, vec3(-0.45, 0.78, 0.43)), 0.0);
+  return n.y < -0.5 ? 0.92 : n.y > 0.5 ? 0.97 : mix(0.78, 0.86, 0.5 + 0.5 * n.y) + 0.26 * max(dot(n, vec3(-0.45, 0.78, 0.43)), 0.0);
 }
 #elif LOOK == 2
 varying vec3 place, out_;

@@ -72,6 +72,20 @@ def test_a_window_lights_the_floor_before_it(windowed):
     np.testing.assert_array_equal(light_of(windowed).image, light.image)
 
 
+def test_floors_are_as_bright_as_photos_show_them_beside_walls():
+    # A hall of 8 by 8 m: its lamp lights the floor much more than its walls.
+    ring = ((0.0, 0.0), (8.0, 0.0), (8.0, 8.0), (0.0, 8.0))
+    hall = Room("hall", ("Reception",), (ring,), 2.5)
+    light = light_of(House("h", (hall,), walls_of(hall, {})))
+    shown: dict[str, list[np.ndarray]] = {}
+    for chart in light.charts.values():
+        (height, width), kind = chart.size, chart.part.extras["kind"]
+        rows, columns = (slice(a, a + n) for a, n in ((chart.row, height), (chart.column, width)))
+        shown.setdefault(kind, []).append(light.image[rows, columns].reshape(-1, 3))
+    floor, wall = (np.concatenate(shown[kind]).mean() for kind in ("floor", "wall"))
+    assert floor == pytest.approx(1.1 * wall, rel=0.03)
+
+
 def test_a_small_window_throws_no_pictures_of_itself_on_far_walls():
     """Directions that all texels share would show it in some of them alone."""
     ring = ((0.0, 0.0), (12.0, 0.0), (12.0, 9.0), (0.0, 9.0))
