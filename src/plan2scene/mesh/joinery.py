@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -42,6 +43,8 @@ class JoinerySizes:
     frame: float = 0.05  #: width of a frame
     leaf: float = 0.04  #: thickness of a leaf
     two_leaves: float = 1.25  #: wider doors have two leaves
+    sections: float = 2.2  #: wider doors to the outside are a garage's
+    section: float = 0.5  #: height of one of its sections, about
     pane: float = 0.9  #: a window has a mullion about every so many metres
     proud: float = 0.012  #: frames stand out of the wall by this much
     least_depth: float = 0.09  #: of a frame, also where the wall has no thickness
@@ -160,6 +163,9 @@ def _door(portal: Portal, leaf: Colour, trim: Colour | None, swing: float) -> Me
     gap = 0.004
     clear = width - 2 * (jamb + gap)
     low, high = portal.hole.bottom + 0.008, portal.hole.top - jamb - gap
+    if portal.other is None and width > JOINERY.sections:
+        _sections(builder, portal, (jamb + gap, clear), (low, high), leaf)
+        return builder.build(f"{room}/door/{opening.id}", extras=extras)
     hinges = [(jamb + gap, 1.0)]
     if width > JOINERY.two_leaves:
         clear = clear / 2 - gap / 2
@@ -167,6 +173,28 @@ def _door(portal: Portal, leaf: Colour, trim: Colour | None, swing: float) -> Me
     for hinge, side in hinges:
         _leaf(builder, portal, hinge, (side, swing), (clear, low, high), leaf)
     return builder.build(f"{room}/door/{opening.id}", extras=extras)
+
+
+def _sections(
+    builder: PartBuilder,
+    portal: Portal,
+    across: tuple[float, float],
+    up: tuple[float, float],
+    colour: Colour,
+) -> None:
+    """Add a shut garage door: sections above each other, with dark joints between them.
+
+    `across` is (left, width), `up` is (bottom, top).
+    """
+    (left, width), (low, high) = across, up
+    frame, half = _centre(portal), JOINERY.leaf / 2
+    red, green, blue = (round(PANEL_SHADE * value) for value in colour)
+    ends = (left, low, 0.006 - half), (left + width, high, half - 0.006)
+    builder.box(frame, *ends, (red, green, blue))
+    edges = np.linspace(low, high, max(1, round((high - low) / JOINERY.section)) + 1)
+    for bottom, top in pairwise(edges.tolist()):
+        ends = (left, bottom + 0.005, -half), (left + width, top - 0.005, half)
+        builder.box(frame, *ends, colour)
 
 
 def _leaf(

@@ -5,15 +5,16 @@ Agents draw walls solid and doors as a gap with a thin arc: a network sees wall 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import product
+from itertools import pairwise, product
 
 import cv2
 import numpy as np
 from scipy import ndimage
+from shapely.geometry import LineString, Point, Polygon
 
-from plan2scene_app.tracing.openings import TracedOpening
+from plan2scene_app.tracing.openings import TracedOpening, joined
 from plan2scene_app.tracing.picture import paper_share
 from plan2scene_app.tracing.settings import (
     DOOR,
@@ -299,6 +300,78 @@ def _leaf_drawn(plane: np.ndarray, hinge: tuple[int, int], ways: tuple[float, fl
     x = np.round(hinge[0] + ways[0] * along * np.cos(angles)).astype(int)
     y = np.round(hinge[1] + ways[1] * along * np.sin(angles)).astype(int)
     return any(_drawn(plane, *line) > 0.95 for line in zip(x.T, y.T, strict=True))
+
+
+def with_whole_windows(
+    openings: Sequence[TracedOpening],
+    polygons: Mapping[int, Polygon],
+    image: np.ndarray,
+    wall_px: float,
+    ppm: float,
+    garages: Collection[int] = (),
+) -> list[TracedOpening]:
+    """Return openings with windows from where to where the lines across their wall are the same.
+
+    Of a long window the network sees the ends alone, and of two that are near each other one. The
+    same holds for doors to the outside of rooms that are `garages`. `image` (h, w, 3) uint8 has no
+    text; walls are `wall_px` thick.
+    """
+    ink = ink_of(image)
+    long = [o for o in openings if o.kind == "window" or (o.room in garages and not o.other)]
+    found = [opening for opening in openings if opening not in long]
+    others = [np.array([opening.start, opening.end]) for opening in found]
+    for opening in long:
+        found += _whole_windows(opening, polygons[opening.room], others, ink, wall_px, ppm)
+    return joined(found, ppm)
+
+
+def _whole_windows(
+    window: TracedOpening,
+    room: Polygon,
+    others: Sequence[np.ndarray],
+    ink: np.ndarray,
+    wall_px: float,
+    ppm: float,
+) -> list[TracedOpening]:
+    """Return the windows that one is, on its edge of a room; as it is where lines differ much.
+
+    They end before `others`, ends (2, 2) of openings that are no windows.
+    """
+    ends = np.array([window.start, window.end])
+    ring = np.array(room.exterior.coords)
+    a, b = min(pairwise(ring), key=lambda pair: LineString(pair).distance(Point(ends.mean(axis=0))))
+    way = (b - a) / np.linalg.norm(b - a)
+    steps = np.arange(0.5, np.linalg.norm(b - a))
+    half = np.arange(-round(wall_px), round(wall_px) + 1)
+    across = np.array([-way[1], way[0]])
+    places = a + steps[:, None, None] * way + half[None, :, None] * across
+    drawn = ndimage.map_coordinates(ink, [places[..., 1], places[..., 0]], order=1, mode="nearest")
+    low, high = sorted(((ends - a) @ way).tolist())
+    own = (steps > low) & (steps < high)
+    if not own.any():
+        return [window]
+    off = np.abs(drawn - np.median(drawn[own], axis=0)).max(axis=1)
+    post = np.ones(max(1, round(SETTINGS.pier * ppm)))
+    alike = ndimage.binary_closing(off <= SETTINGS.alike_lines, post)
+    for other in others:
+        if np.abs((other - a) @ across).max() <= 2 * wall_px:
+            first, last = np.sort((other - a) @ way).round().astype(int).clip(0)
+            alike[first:last] = False
+    runs, _ = ndimage.label(alike)
+    spans = [
+        (run.start, run.stop)
+        for number, (run,) in enumerate(ndimage.find_objects(runs), start=1)
+        if (own & (runs == number)).any() and run.stop - run.start >= SETTINGS.opening * ppm
+    ]
+    if alike[own].mean() < 0.5 or not spans or spans[0][0] == 0 or spans[-1][1] == len(steps):
+        return [window]
+    found = []
+    for k, (start, stop) in enumerate(spans):
+        first = min(low, start) if k == 0 else start
+        last = max(high, stop) if k == len(spans) - 1 else stop
+        p, q = ((a + along * way).tolist() for along in (first, last))
+        found.append(replace(window, start=(p[0], p[1]), end=(q[0], q[1])))
+    return found
 
 
 def with_swings(

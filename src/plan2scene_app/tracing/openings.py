@@ -65,7 +65,7 @@ def find_openings(
             if opening is not None:
                 openings.append(opening)
     openings += _undrawn_passages(edges, regions, polygons, openings)
-    return _joined(openings, regions.ppm)
+    return joined(openings, regions.ppm)
 
 
 def _apart(drawn: np.ndarray, thick: float) -> tuple[np.ndarray, int]:
@@ -215,7 +215,7 @@ def _same(one: TracedOpening, other: TracedOpening) -> bool:
     )
 
 
-def _joined(openings: list[TracedOpening], ppm: float) -> list[TracedOpening]:
+def joined(openings: list[TracedOpening], ppm: float) -> list[TracedOpening]:
     """Return openings with those of one kind in one line and hardly apart joined, largest first."""
     kept: list[TracedOpening] = []
     for opening in sorted(openings, key=lambda o: -o.width):

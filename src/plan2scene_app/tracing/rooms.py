@@ -277,6 +277,18 @@ def without_inner_windows(
     return kept
 
 
+def with_garage_doors(
+    openings: Sequence[TracedOpening], garages: Collection[int], least: float
+) -> list[TracedOpening]:
+    """Return openings with wide windows of `garages`, from `least` pixels on, as garage doors."""
+    return [
+        replace(opening, kind="door")
+        if opening.room in garages and not opening.other and opening.width >= least
+        else opening
+        for opening in openings
+    ]
+
+
 def _types_by_names(texts: Sequence[str]) -> tuple[str, ...]:
     """Return the types that the lines in a room tell; what stands on its wardrobes tells none."""
     told = [types for text in texts if _is_name(text) and (types := room_types(text))]

@@ -170,10 +170,13 @@ class TraceSettings:
     open_beside: float = 0.4  #: m of floor on both sides of such a passage
     open_room: float = 1.5  #: m of its width from which on it has no lintel
     open_blank: float = 0.8  #: share of it without a passage's symbol: else it has one
+    alike_lines: float = 0.12  #: darkness by which lines across one window differ
+    pier: float = 0.3  #: m of the narrowest wall between two windows
     least_door: float = 0.4  #: m
     least_window: float = 0.3  #: m
     least_passage: float = 0.5  #: m
     widest_door: float = 1.2  #: m: a wider gap between rooms is a passage
+    garage_door: float = 2.0  #: m of the narrowest one
     # Text and scale.
     text_px: tuple[int, int] = (1300, 2000)  #: longer side that text is read at
     printed_edge: float = 0.02  #: of the longer side: paper left around what is printed

@@ -20,7 +20,7 @@ from plan2scene.house import DEFAULT_HEIGHT
 from plan2scene.images import write_png
 from plan2scene.io import write_json, write_text
 from plan2scene.plans.plan_json import FORMAT, house_of_plan
-from plan2scene.plans.room_names import room_types
+from plan2scene.plans.room_names import is_garage, room_types
 from plan2scene.plans.validate import validate_house
 from plan2scene.plugins import pip_command
 from plan2scene.weights import MODELS
@@ -39,6 +39,7 @@ from plan2scene_app.tracing.ink import (
     with_drawn_walls,
     with_swings,
     with_swung_windows,
+    with_whole_windows,
 )
 from plan2scene_app.tracing.lettering import TextLine, read_lines, reader_installed, without_text
 from plan2scene_app.tracing.named_areas import with_named_areas, without_counters
@@ -73,6 +74,7 @@ from plan2scene_app.tracing.rooms import (
     TracedRoom,
     describe_rooms,
     room_polygons,
+    with_garage_doors,
     with_types_by_marks,
     without_inner_windows,
 )
@@ -170,8 +172,12 @@ def trace_picture(
         storeys = storeys_of(seen.owner, regions.rooms, probabilities, lines, regions.ppm)
     raised = {storey.drawing for storey in storeys if storey.floor > 0}
     upstairs = [room.number for room in rooms if room.drawing in raised]
-    openings = with_swung_windows(openings, frame.image, regions.wall_px, upstairs)
+    drawn = frame.image, regions.wall_px
+    garages = [room.number for room in rooms if is_garage(room.name)]
+    openings = with_swung_windows(openings, *drawn, upstairs)
+    openings = with_whole_windows(openings, polygons, *drawn, regions.ppm, garages)
     openings = without_inner_windows(openings, rooms, SETTINGS.widest_door / metres)
+    openings = with_garage_doors(openings, garages, SETTINGS.garage_door / metres)
     kept = tuple(o for o in openings if o.width * metres >= LEAST_WIDTH[o.kind])
     return TracedPlan(
         picture.image,

@@ -7,8 +7,9 @@ import pytest
 from box_room import box_house
 
 from plan2scene.colour import is_wood, rgb_to_lab, srgb_to_linear
+from plan2scene.house import House
 from plan2scene.mesh.assembly import assemble
-from plan2scene.mesh.joinery import METAL_COLOUR
+from plan2scene.mesh.joinery import FRAME_COLOUR, METAL_COLOUR, PANEL_SHADE
 
 OAK = (166, 131, 83)
 GREEN = (40, 120, 90)
@@ -44,3 +45,18 @@ def test_a_wooden_leaf_has_upright_grain_of_its_colour():
 def test_a_painted_leaf_has_panels():
     colours, _ = leaf_colours(GREEN)
     assert len(np.unique(colours, axis=0)) == 2
+
+
+def test_a_garage_door_has_sections_and_no_handle():
+    house = box_house(wide=3.2)
+    walls = list(house.walls)
+    hole = replace(walls[2].openings[0], kind="door", start=0.3, end=2.9, bottom=0.0)
+    walls[2] = replace(walls[2], openings=(hole,))
+    room = replace(house.rooms[0], types=("Unknown",))
+    garage = House("h", (room,), tuple(walls), (), door_colours=(("", GREEN),))
+    (door,) = [part for part in assemble(garage).parts if part.name == "room/door/wide"]
+    dark = tuple(round(PANEL_SHADE * value) for value in GREEN)
+    assert {tuple(c) for c in door.colours[:, :3].tolist()} == {FRAME_COLOUR, GREEN, dark}
+    flat = (door.colours[door.mesh.faces][..., :3] == GREEN).all(axis=(1, 2))
+    heights = np.unique(door.mesh.vertices[door.mesh.faces[flat]][..., 1].round(3))
+    assert len(heights) == 2 * 4  # four sections of 53 cm

@@ -1,5 +1,7 @@
 """Doors that the network takes for windows or walls: an arc or a gap in a solid wall tells."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -9,11 +11,12 @@ from plan2scene_app.tracing.ink import (
     with_drawn_walls,
     with_swings,
     with_swung_windows,
+    with_whole_windows,
 )
 from plan2scene_app.tracing.named_areas import without_counters
-from plan2scene_app.tracing.openings import find_openings
+from plan2scene_app.tracing.openings import TracedOpening, find_openings
 from plan2scene_app.tracing.regions import find_regions
-from plan2scene_app.tracing.rooms import room_polygons
+from plan2scene_app.tracing.rooms import room_polygons, with_garage_doors
 from plan2scene_app.tracing.settings import DOOR, OUTSIDE, PASSAGE, ROOM, WALL, WINDOW
 from plan2scene_app.tracing.thin_walls import with_thin_walls
 
@@ -198,3 +201,32 @@ def test_leaves_drawn_at_a_window_make_it_a_door(arcs, leaves, kind):
 
     assert kinds(()) == sorted(["door", "door", kind])
     assert kinds([1, 2]) == ["door", "door", "window"]  # no balcony is behind it
+
+
+@pytest.mark.parametrize(("missed", "pier"), [(True, False), (False, True)])
+def test_a_window_is_as_long_as_its_lines(missed, pier):
+    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels()).astype(np.uint8)
+    page = solid_page(labels)
+    page[[30, 32], 180:225] = 0  # two lines for the window's 45 pixels
+    if pier:
+        page[30:33, 195:210] = 0
+    if missed:
+        labels[30:33, 192:213] = WALL  # the network sees its ends alone
+    regions = find_regions(labels, PPM)
+    polygons = room_polygons(regions)
+    openings = find_openings(regions, polygons, as_probabilities(labels))
+    found = with_whole_windows(openings, polygons, page, regions.wall_px, PPM)
+    widths = [opening.width for opening in found if opening.kind == "window"]
+    assert widths == pytest.approx([15, 15] if pier else [45], abs=2)
+    assert [o for o in found if o.kind == "door"] == [o for o in openings if o.kind == "door"]
+
+
+def test_a_wide_window_of_a_garage_to_the_outside_is_its_door():
+    wide = TracedOpening("window", (0.0, 0.0), (80.0, 0.0), 1, 0, 0.9)
+    kept = [
+        replace(wide, end=(30.0, 0.0)),  # a window of usual size
+        replace(wide, other=2),
+        replace(wide, room=2),
+    ]
+    door, *others = with_garage_doors([wide, *kept], [1], 60.0)
+    assert door == replace(wide, kind="door") and others == kept
