@@ -154,6 +154,8 @@ def structure_part(
         # The floors above cover what is below them.
         floors = above.rooms.buffer(TOUCH)
         area, edge = area.difference(floors), edge.difference(floors)
+    no_wall = _full_openings(portals)
+    area, edge = area.difference(no_wall), edge.difference(no_wall)
     _prism(builder, area, wall.height - 10 * LIFT, top)
     _prism(builder, edge, wall.height, top)
     for portal in portals:
@@ -165,6 +167,18 @@ def structure_part(
         return None
     extras = {"kind": "structure", "wall_id": wall.id}
     return builder.build(f"structure/wall/{wall.id}", extras=extras)
+
+
+def _full_openings(portals: list[Portal]) -> BaseGeometry:
+    """Return the plan area of passages up to the ceiling: no wall is there, and no cap."""
+    areas = []
+    for portal in portals:
+        wall, opening = portal.side.wall, portal.hole.opening
+        if opening.kind == "passage" and wall.full(opening):
+            frame, ends = portal.side.frame, np.array([portal.hole.left, portal.hole.right])
+            front, back = frame.plan(ends, wall.depth), frame.plan(ends[::-1], -2 * wall.depth)
+            areas.append(Polygon([*front, *back]))
+    return unary_union(areas)
 
 
 def _up_to(builder: PartBuilder, above: Above, area: BaseGeometry, wall: Wall) -> BaseGeometry:

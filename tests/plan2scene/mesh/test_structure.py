@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+import trimesh
 from shapely.geometry import Polygon
 
 from plan2scene.house import Door, House, Opening
@@ -172,7 +173,7 @@ def test_a_wide_door_to_the_outside_is_of_glass(gap_house, end, glazed):
 
 
 @pytest.mark.parametrize(("top", "made"), [(2.0, {"passage"}), (None, set())])
-def test_a_passage_up_to_the_ceiling_has_no_lining(gap_house, top, made):
+def test_a_passage_up_to_the_ceiling_has_no_lining_and_no_cap(gap_house, top, made):
     def opened(wall):
         openings = tuple(
             dataclasses.replace(o, kind="passage", top=top or wall.height) for o in wall.openings
@@ -180,8 +181,13 @@ def test_a_passage_up_to_the_ceiling_has_no_lining(gap_house, top, made):
         return dataclasses.replace(wall, openings=openings)
 
     house = dataclasses.replace(gap_house, walls=tuple(opened(wall) for wall in gap_house.walls))
-    kinds = {part.extras["kind"] for part in assemble(house).parts}
-    assert kinds & {"door", "passage"} == made
+    parts = assemble(house).parts
+    assert {part.extras["kind"] for part in parts} & {"door", "passage"} == made
+    over = np.array([[3.05, 9.0, 1.4]])  # the middle of the passage, from above
+    caps = trimesh.util.concatenate([p.mesh for p in parts if p.extras["kind"] == "structure"])
+    faces = caps.ray.intersects_first(over, np.array([[0.0, -1.0, 0.0]]))
+    normals = caps.face_normals[faces[faces >= 0]]
+    assert bool((normals[:, 1] > 0.9).any()) == bool(made)
 
 
 def test_a_leaf_opens_into_the_room_with_fewer_doors(gap_house):
