@@ -45,6 +45,9 @@ TOUCH = 5e-6
 #: Outer faces of a storey begin so far below its floor, metres, and caps of the walls below them
 #: end so far behind: their dark colour does not shine through where depths are coarse.
 OVERLAP = 0.02
+#: Walls that stand out so far below those of the next level are a ledge in the colour of outer
+#: faces, not a dark line, metres: traced storeys are not of one size.
+LEDGE = 0.3
 GRID = 1e-6  #: Bodies lie on this grid, metres: bands that end on one line do so exactly
 
 
@@ -154,6 +157,11 @@ def structure_part(
         # The floors above cover what is below them.
         floors = above.rooms.buffer(TOUCH)
         area, edge = area.difference(floors), edge.difference(floors)
+    if above is not None:
+        ledge = area.intersection(above.rooms.buffer(wall.depth + LEDGE, join_style="mitre"))
+        _prism(builder, ledge, wall.height - 10 * LIFT, top, Polygon(), OUTER_COLOUR)
+        builder.level(ledge, top, colour=OUTER_COLOUR)
+        area = area.difference(ledge)
     no_wall = _full_openings(portals)
     area, edge = area.difference(no_wall), edge.difference(no_wall)
     _prism(builder, area, wall.height - 10 * LIFT, top)

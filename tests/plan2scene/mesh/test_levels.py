@@ -120,6 +120,22 @@ def test_no_wall_below_comes_out_of_a_floor_without_a_slab():
     assert rays.distances(above, down) == pytest.approx(0.1, abs=1e-4)
 
 
+@pytest.mark.parametrize(("inset", "dark"), [(0.1, False), (0.8, True)])
+def test_a_narrow_ledge_below_the_next_storey_has_no_dark_cap(inset, dark):
+    def room(name, level, x0):
+        corners = [[x0, 0], [x0, 4], [4, 4], [4, 0]]
+        return {"id": name, "types": ["Bedroom"], "level": level, "polygon": corners}
+
+    levels = [{"id": "low", "elevation": 0.0}, {"id": "high", "elevation": 2.8}]
+    rooms = [room("low", "low", 0), room("high", "high", inset)]
+    plan = {"format": "plan2scene-plan", "version": 1, "levels": levels, "rooms": rooms}
+    parts = assemble(house_of_plan(plan | {"wall_depth": 0.2}, "h")).parts
+    (wall,) = [part for part in parts if part.name == "structure/wall/low_wall_0"]
+    ledge = (wall.mesh.vertices[:, 0] < inset - 0.25) & (wall.mesh.vertices[:, 1] > 2.4)
+    ledge |= (wall.mesh.vertices[:, 0] < -0.15) & (wall.mesh.vertices[:, 1] > 2.4)
+    assert (wall.colours[ledge] == CAP_COLOUR).all(axis=1).any() == dark
+
+
 def test_glb_has_a_node_for_each_level(house, tmp_path):
     write_glb(house, {}, tmp_path / "house.glb")
     scene = trimesh.load(tmp_path / "house.glb")
