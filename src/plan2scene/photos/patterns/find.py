@@ -409,7 +409,8 @@ def _line(readings: Sequence[Reading]) -> str:
             worth[name] = worth.get(name, 0.0) + r.weight * float(
                 scores[max(k - 3, 0) : k + 4].max()
             )
-    worth["light"] /= FIND.light
+    if worth["light"] < FIND.light * worth["dark"]:
+        worth["light"] = 0.0
     return max(worth, key=lambda name: worth[name])
 
 
