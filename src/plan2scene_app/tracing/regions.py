@@ -40,6 +40,7 @@ def find_regions(structure: np.ndarray, ppm: float) -> Regions:
     floors = _floors(structure == ROOM, ppm)
     count = int(floors.max())
     wall_px = _wall_thickness(structure, floors, ppm)
+    floors = _with_strips(floors, structure == ROOM, wall_px, ppm) if count else floors
     rooms = grown(floors, wall_px, ppm) if count else floors
     regions = Regions(rooms, floors, structure, count, wall_px, ppm)
     return without_open_rooms(without_islands(regions)) if count else regions
@@ -100,6 +101,32 @@ def _floors(mask: np.ndarray, ppm: float) -> np.ndarray:
     kept[0] = False
     numbers = np.where(kept, np.cumsum(kept), 0)
     return np.asarray(numbers[floors], np.int32)
+
+
+def _with_strips(floors: np.ndarray, mask: np.ndarray, wall_px: float, ppm: float) -> np.ndarray:
+    """Return floors (h, w) with what of a mask of room pixels is too narrow for one.
+
+    A counter or a cupboard belongs to the floor that it has a clearly thinner line towards than to
+    others, and than a wall of `wall_px`. What is no wider than a wall is the inside of one.
+    """
+    strips, count = ndimage.label(mask & (floors == 0))
+    away, nearest = ndimage.distance_transform_edt(floors == 0, return_indices=True)
+    found = floors.copy()
+    for number, box in enumerate(ndimage.find_objects(strips, count), start=1):
+        rows, columns = (slice(max(0, s.start - 1), s.stop + 1) for s in box)
+        own = strips[rows, columns] == number
+        depth = cv2.distanceTransform(np.pad(own, 1).astype(np.uint8), cv2.DIST_L2, 3)
+        if 2 * depth.max() < SETTINGS.strip * ppm:
+            continue
+        rim = own & ~ndimage.binary_erosion(own)
+        behind = floors[tuple(index[rows, columns][rim] for index in nearest)]
+        off = away[rows, columns][rim]
+        beside = [n for n in np.unique(behind) if (behind == n).mean() >= SETTINGS.strip_beside]
+        thick = sorted((float(np.percentile(off[behind == n], 25)), int(n)) for n in beside)
+        least = min([wall_px + 1, *(other for other, _ in thick[1:])])
+        if thick and thick[0][0] <= SETTINGS.strip_thinner * least:
+            found[rows, columns][own] = thick[0][1]
+    return found
 
 
 def floor_count(structure: np.ndarray, ppm: float) -> int:

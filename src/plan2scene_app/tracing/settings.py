@@ -127,6 +127,9 @@ class TraceSettings:
     # Rooms.
     pocket: float = 0.15  #: share of the border of an enclosed area that is floor: a floor, too
     neck: float = 0.5  #: m: a narrower neck parts two rooms
+    strip: float = 0.3  #: m of the narrowest part of a room behind a line, a counter's or shelf's
+    strip_beside: float = 0.2  #: share of its border that a floor lies along to which it belongs
+    strip_thinner: float = 0.75  #: thickness of the line to it, of that to the next floor
     room_floor: float = 0.6  #: m2 of the smallest room
     room_width: float = 0.5  #: m of the narrowest room
     shared_wall: float = 0.55  #: m: a gap up to this between rooms is a wall that both share

@@ -80,6 +80,16 @@ def test_the_strip_of_a_cupboard_along_a_wall_is_no_passage():
     assert not [o for o in find_openings(regions, polygons, as_probabilities(labels)) if o.other]
 
 
+@pytest.mark.parametrize(("line_px", "thin"), [(1, True), (3, False)])
+def test_what_lies_behind_a_thin_line_belongs_to_its_room(line_px, thin):
+    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels())
+    labels[33:120, 150:153] = WALL  # without the door between both rooms
+    labels[33:120, 137 - line_px : 137] = WALL  # the front of a cupboard of 43 cm
+    regions = find_regions(labels, PPM)
+    assert regions.count == 2
+    assert regions.floors[60, 143] == (regions.floors[60, 60] if thin else 0)
+
+
 def test_closed_rooms_taken_for_outside_are_rooms_and_a_light_well_is_none():
     labels = flat_labels()
     closed = np.where(labels >= ROOM, OUTSIDE, labels)
