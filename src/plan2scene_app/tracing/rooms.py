@@ -16,6 +16,7 @@ import numpy as np
 import shapely
 from scipy import ndimage
 from shapely.geometry import LineString, MultiPolygon, Point, Polygon
+from shapely.geometry.base import BaseGeometry
 from skimage.measure import find_contours
 
 from plan2scene.plans.room_names import room_types
@@ -142,15 +143,27 @@ def _cells(
     polygons = {}
     for number in numbers:
         own = [cell for cell, winner in zip(cells, winners[1:], strict=True) if winner == number]
-        shape = shapely.union_all(own, grid_size=1e-3) if own else Polygon()
-        if isinstance(shape, MultiPolygon):
-            shape = max(shape.geoms, key=lambda part: part.area)
-        shape = shape.simplify(0.01)
+        shape = _largest(shapely.union_all(own, grid_size=1e-3) if own else Polygon())
+        shape = without_spikes(shape.simplify(0.01), SETTINGS.spike * regions.ppm)
         # What is mostly cells of another room is none of its own.
         floor = float((regions.floors == number).sum())
         if isinstance(shape, Polygon) and shape.is_valid and shape.area > floor / 2:
             polygons[number] = shape
     return polygons
+
+
+def _largest(shape: BaseGeometry) -> BaseGeometry:
+    """Return the largest part of a geometry."""
+    if isinstance(shape, MultiPolygon):
+        return max(shape.geoms, key=lambda part: part.area)
+    return shape
+
+
+def without_spikes(shape: BaseGeometry, width: float) -> BaseGeometry:
+    """Return a polygon (pixels) without parts narrower than a width; itself where it has none."""
+    opened = shape.buffer(-width / 2, join_style="mitre").buffer(width / 2, join_style="mitre")
+    opened = _largest(shapely.set_precision(opened, 1e-3)).simplify(0.01)
+    return shape if shape.area - opened.area < 1.0 else opened
 
 
 OPEN_AIR = ("Balcony", "Terrace", "Outdoor")

@@ -165,6 +165,7 @@ class TraceSettings:
     shortest: float = 0.3  #: m of a piece that gives a line
     along_axis: float = 12.0  #: degrees up to which a piece runs along the picture
     merged: float = 0.1  #: m within which lines are one
+    spike: float = 0.15  #: m: a narrower part of an outline is none
     # Openings.
     opening: float = 0.4  #: m of the narrowest one that is looked for
     joined: float = 0.2  #: m within which two on a wall are one

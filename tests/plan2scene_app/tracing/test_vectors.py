@@ -6,12 +6,18 @@ import cv2
 import numpy as np
 import pytest
 from scipy import ndimage
+from shapely.geometry import Polygon, box
 
 from plan2scene.plans.plan_json import FORMAT
 from plan2scene_app.tracing.openings import find_openings
 from plan2scene_app.tracing.picture import main_direction
 from plan2scene_app.tracing.regions import find_regions, structure_of
-from plan2scene_app.tracing.rooms import describe_rooms, room_polygons, with_types_by_marks
+from plan2scene_app.tracing.rooms import (
+    describe_rooms,
+    room_polygons,
+    with_types_by_marks,
+    without_spikes,
+)
 from plan2scene_app.tracing.settings import DOOR, OUTSIDE, PASSAGE, ROOM, WALL, WINDOW
 from plan2scene_app.tracing.trace import without_loose_openings
 
@@ -33,6 +39,14 @@ def test_a_slanted_wall_stays_slanted():
     cut = min(polygons.values(), key=lambda p: p.centroid.x)
     assert len(cut.exterior.coords) == 6
     assert cut.area == pytest.approx((regions.rooms == 1).sum(), rel=0.03)
+
+
+def test_a_narrow_part_of_an_outline_is_none():
+    room = box(10.0, 20.0, 200.0, 120.0)
+    sharp = room.union(Polygon([(16.0, 20.0), (18.0, 12.0), (18.0, 20.0)]))  # as of a slanted line
+    assert without_spikes(sharp, 5.0).equals(room)
+    alcove = room.union(box(10.0, 10.0, 18.0, 20.0))
+    assert without_spikes(alcove, 5.0) is alcove
 
 
 def test_floor_that_goes_on_is_a_passage():
