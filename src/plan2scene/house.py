@@ -331,6 +331,16 @@ class House:
         own = SurfaceKey(room_id, f"wall.{wall_id}")
         return own if own in self.accents else SurfaceKey(room_id, "wall")
 
+    def passages(self) -> tuple[tuple[str, str, float], ...]:
+        """Return the two rooms that each passage joins, and its width, metres."""
+        openings = (opening for wall in self.walls for opening in wall.openings)
+        widths = {o.id: o.end - o.start for o in openings if o.kind == "passage"}
+        return tuple(
+            (door.room_a, door.room_b, widths[door.opening_id])
+            for door in self.doors
+            if door.opening_id in widths and door.room_a and door.room_b
+        )
+
     def adjacency(self) -> tuple[tuple[str, str], ...]:
         """Return pairs of rooms joined by a door, passage or stairs, each pair once, sorted."""
         joined: list[tuple[str | None, str | None]] = [(d.room_a, d.room_b) for d in self.doors]

@@ -107,14 +107,10 @@ def find_materials(
     doors = np.isfinite(doors_between(len(graph.room_ids), graph.edges))
     place = {room: k for k, room in enumerate(graph.room_ids)}
     open_ = np.zeros(doors.shape)
-    widths = {
-        o.id: o.end - o.start for wall in plan.walls for o in wall.openings if o.kind == "passage"
-    }
-    for door in plan.doors:
-        if door.opening_id in widths and door.room_a and door.room_b:
-            pair = place[door.room_a], place[door.room_b]
-            width = float(np.clip(widths[door.opening_id], *EVIDENCE.wide)) / EVIDENCE.wide[0]
-            open_[pair] = open_[pair[::-1]] = max(open_[pair], width)
+    for one, other, metres in plan.passages():
+        pair = place[one], place[other]
+        width = float(np.clip(metres, *EVIDENCE.wide)) / EVIDENCE.wide[0]
+        open_[pair] = open_[pair[::-1]] = max(open_[pair], width)
     gains = read_stage_json(light, "light")["gains"]
     crops, _ = read_parquet(embeddings)
     crops = crops[~crops["photo"].isin(set(hidden_photos))]

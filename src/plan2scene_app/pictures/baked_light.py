@@ -188,12 +188,10 @@ def mean_colours(textures: Mapping[SurfaceKey, TileTexture]) -> dict[SurfaceKey,
 
 def _open_to_each_other(house: House) -> list[list[str]]:
     """Return the ids of all rooms, those together that passages join."""
-    passages = {o.id for wall in house.walls for o in wall.openings if o.kind == "passage"}
-    pairs = [(d.room_a, d.room_b) for d in house.doors if d.opening_id in passages and d.room_b]
     index = {room.id: k for k, room in enumerate(house.rooms)}
     joined = np.zeros((len(index), len(index)), bool)
-    for a, b in pairs:
-        joined[index[a], index[b]] = True
+    for one, other, _ in house.passages():
+        joined[index[one], index[other]] = True
     count, labels = connected_components(joined, directed=False)
     return [[room for room, k in index.items() if labels[k] == group] for group in range(count)]
 

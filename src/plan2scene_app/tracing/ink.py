@@ -7,14 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import pairwise, product
+from itertools import product
 
 import cv2
 import numpy as np
 from scipy import ndimage
-from shapely.geometry import LineString, Point, Polygon
+from shapely.geometry import Polygon
 
-from plan2scene_app.tracing.openings import TracedOpening, joined
+from plan2scene_app.tracing.openings import Edge, TracedOpening, edges_of, joined
 from plan2scene_app.tracing.picture import paper_share
 from plan2scene_app.tracing.settings import (
     DOOR,
@@ -320,14 +320,18 @@ def with_whole_windows(
     long = [o for o in openings if o.kind == "window" or (o.room in garages and not o.other)]
     found = [opening for opening in openings if opening not in long]
     others = [np.array([opening.start, opening.end]) for opening in found]
-    for opening in long:
-        found += _whole_windows(opening, polygons[opening.room], others, ink, wall_px, ppm)
+    edges = edges_of(polygons)
+    for window in long:
+        middle = (np.array(window.start) + window.end) / 2
+        own = (edge for edge in edges if edge.room == window.room)
+        edge = min(own, key=lambda edge: edge.distance(middle))
+        found += _whole_windows(window, edge, others, ink, wall_px, ppm)
     return joined(found, ppm)
 
 
 def _whole_windows(
     window: TracedOpening,
-    room: Polygon,
+    edge: Edge,
     others: Sequence[np.ndarray],
     ink: np.ndarray,
     wall_px: float,
@@ -337,16 +341,11 @@ def _whole_windows(
 
     They end before `others`, ends (2, 2) of openings that are no windows.
     """
-    ends = np.array([window.start, window.end])
-    ring = np.array(room.exterior.coords)
-    a, b = min(pairwise(ring), key=lambda pair: LineString(pair).distance(Point(ends.mean(axis=0))))
-    way = (b - a) / np.linalg.norm(b - a)
-    steps = np.arange(0.5, np.linalg.norm(b - a))
+    steps = np.arange(0.5, edge.length)
     half = np.arange(-round(wall_px), round(wall_px) + 1)
-    across = np.array([-way[1], way[0]])
-    places = a + steps[:, None, None] * way + half[None, :, None] * across
+    places = edge.start + steps[:, None, None] * edge.way + half[None, :, None] * edge.inwards
     drawn = ndimage.map_coordinates(ink, [places[..., 1], places[..., 0]], order=1, mode="nearest")
-    low, high = sorted(((ends - a) @ way).tolist())
+    low, high = sorted(edge.place(np.array([window.start, window.end]))[0].tolist())
     own = (steps > low) & (steps < high)
     if not own.any():
         return [window]
@@ -354,8 +353,9 @@ def _whole_windows(
     post = np.ones(max(1, round(SETTINGS.pier * ppm)))
     alike = ndimage.binary_closing(off <= SETTINGS.alike_lines, post)
     for other in others:
-        if np.abs((other - a) @ across).max() <= 2 * wall_px:
-            first, last = np.sort((other - a) @ way).round().astype(int).clip(0)
+        along, off_edge = edge.place(other)
+        if np.abs(off_edge).max() <= 2 * wall_px:
+            first, last = np.sort(along).round().astype(int).clip(0)
             alike[first:last] = False
     runs, _ = ndimage.label(alike)
     spans = [
@@ -369,7 +369,7 @@ def _whole_windows(
     for k, (start, stop) in enumerate(spans):
         first = min(low, start) if k == 0 else start
         last = max(high, stop) if k == len(spans) - 1 else stop
-        p, q = ((a + along * way).tolist() for along in (first, last))
+        p, q = ((edge.start + along * edge.way).tolist() for along in (first, last))
         found.append(replace(window, start=(p[0], p[1]), end=(q[0], q[1])))
     return found
 

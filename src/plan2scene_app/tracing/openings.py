@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -32,8 +33,8 @@ class TracedOpening:
 
 
 @dataclass(frozen=True)
-class _Edge:
-    """An edge of a room's outline with its unit direction."""
+class Edge:
+    """An edge of a room's outline with its unit direction, pixels (x, y)."""
 
     room: int
     start: np.ndarray
@@ -46,12 +47,17 @@ class _Edge:
         apart = points - self.start
         return apart @ self.way, apart @ self.inwards
 
+    def distance(self, point: np.ndarray) -> float:
+        """Return how far a point (2,) is from the edge."""
+        (along,), (off,) = self.place(point[None])
+        return float(np.hypot(off, max(-along, along - self.length, 0.0)))
+
 
 def find_openings(
     regions: Regions, polygons: dict[int, Polygon], probabilities: np.ndarray
 ) -> list[TracedOpening]:
     """Return the openings of traced rooms; of one between two rooms the wall is either's."""
-    edges = _edges(polygons)
+    edges = edges_of(polygons)
     openings: list[TracedOpening] = []
     for label, kind in OPENINGS.items():
         places, count = _apart(regions.structure == label, 1.5 * regions.wall_px + 2)
@@ -99,7 +105,7 @@ def _runs(drawn: np.ndarray) -> np.ndarray:
     return lengths
 
 
-def _edges(polygons: dict[int, Polygon]) -> list[_Edge]:
+def edges_of(polygons: Mapping[int, Polygon]) -> list[Edge]:
     """Return the edges of all outlines."""
     edges = []
     for number, polygon in polygons.items():
@@ -110,12 +116,12 @@ def _edges(polygons: dict[int, Polygon]) -> list[_Edge]:
             length = float(np.linalg.norm(end - start))
             way = (end - start) / max(length, 1e-9)
             inwards = np.array([way[1], -way[0]]) * (1 if clockwise else -1)
-            edges.append(_Edge(number, start, way, length, inwards))
+            edges.append(Edge(number, start, way, length, inwards))
     return edges
 
 
 def _on_edge(
-    edges: list[_Edge],
+    edges: list[Edge],
     points: np.ndarray,
     kind: str,
     sure: float,
@@ -150,7 +156,7 @@ def _on_edge(
 
 
 def _opening(
-    edge: _Edge,
+    edge: Edge,
     low: float,
     high: float,
     kind: str,
@@ -170,7 +176,7 @@ def _opening(
 
 
 def _undrawn_passages(
-    edges: list[_Edge],
+    edges: list[Edge],
     regions: Regions,
     polygons: dict[int, Polygon],
     known: list[TracedOpening],

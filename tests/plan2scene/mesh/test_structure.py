@@ -181,6 +181,8 @@ def test_a_passage_up_to_the_ceiling_has_no_lining_and_no_cap(gap_house, top, ma
         return dataclasses.replace(wall, openings=openings)
 
     house = dataclasses.replace(gap_house, walls=tuple(opened(wall) for wall in gap_house.walls))
+    assert house.passages() == (("a", "b", pytest.approx(0.8)), ("b", "a", pytest.approx(0.8)))
+    assert gap_house.passages() == ()
     parts = assemble(house).parts
     assert {part.extras["kind"] for part in parts} & {"door", "passage"} == made
     over = np.array([[3.05, 9.0, 1.4]])  # the middle of the passage, from above

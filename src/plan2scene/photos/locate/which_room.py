@@ -349,11 +349,9 @@ def _nearness(house: House) -> np.ndarray:
     index = {room.id: k for k, room in enumerate(house.rooms)}
     near = np.eye(len(index) + 1)
     near[-1, -1] = 0.5
-    open_ = {o.id for wall in house.walls for o in wall.openings if o.kind == "passage"}
-    for door in house.doors:
-        if door.opening_id in open_ and door.room_b is not None:
-            a, b = index[door.room_a], index[door.room_b]
-            near[a, b] = near[b, a] = WHICH.open_tie
+    for one, other, _ in house.passages():
+        a, b = index[one], index[other]
+        near[a, b] = near[b, a] = WHICH.open_tie
     return near
 
 
