@@ -11,6 +11,8 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  #: Luminance of linear R, G, B
 #: A photo's pixel is clipped when its greatest channel is at or below, or its least at or above
 #: this: a level stricter than where kept crops are compared, which 4 of the demo's 594 crops pass.
 CLIPPED_LEVELS = (2, 249)
+#: The outside of houses, sRGB levels: light render. No photo of a room shows it.
+RENDER = (222, 216, 206)
 #: Bare wood in L*a*b*: hue in degrees, from mahogany to pine, and least chroma. Chosen by looking
 #: at doors of two real flats (development) and the demo.
 WOOD_HUE, WOOD_CHROMA = (40.0, 88.0), 15.0

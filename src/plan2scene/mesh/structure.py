@@ -19,6 +19,7 @@ from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 from shapely.ops import unary_union
 
+from plan2scene.colour import RENDER
 from plan2scene.house import Level, Room, SurfaceKey, Wall
 from plan2scene.mesh.parts import Colour, MeshPart, PartBuilder
 from plan2scene.mesh.polygons import polygons_of, triangulate
@@ -34,7 +35,6 @@ from plan2scene.plans.wall_sides import (
     reveal_quads,
 )
 
-OUTER_COLOUR: Colour = (222, 216, 206)
 CAP_COLOUR: Colour = (74, 72, 70)
 REVEAL_COLOUR: Colour = (238, 235, 229)
 #: Slivers narrower than twice this between a room and a wall's band are no body, metres.
@@ -159,8 +159,8 @@ def structure_part(
         area, edge = area.difference(floors), edge.difference(floors)
     if above is not None:
         ledge = area.intersection(above.rooms.buffer(wall.depth + LEDGE, join_style="mitre"))
-        _prism(builder, ledge, wall.height - 10 * LIFT, top, Polygon(), OUTER_COLOUR)
-        builder.level(ledge, top, colour=OUTER_COLOUR)
+        _prism(builder, ledge, wall.height - 10 * LIFT, top, Polygon(), RENDER)
+        builder.level(ledge, top, colour=RENDER)
         area = area.difference(ledge)
     no_wall = _full_openings(portals)
     area, edge = area.difference(no_wall), edge.difference(no_wall)
@@ -196,8 +196,8 @@ def _up_to(builder: PartBuilder, above: Above, area: BaseGeometry, wall: Wall) -
     band, high = area.intersection(under), above.rise - OVERLAP / 2
     bare = band.difference(above.rooms)
     cap = bare.intersection(inner)
-    _prism(builder, band, wall.height - 10 * LIFT, high, cap, OUTER_COLOUR)
-    builder.level(bare.difference(inner), high, colour=OUTER_COLOUR)
+    _prism(builder, band, wall.height - 10 * LIFT, high, cap, RENDER)
+    builder.level(bare.difference(inner), high, colour=RENDER)
     return area.difference(under)
 
 
@@ -245,7 +245,7 @@ def _outer_face(
         s = np.sort((portal.back - frame.left) @ frame.right)
         face = face.difference(box(s[0], portal.hole.bottom, s[1], portal.hole.top))
     points, faces = triangulate(face)
-    builder.mesh(frame.world(points), faces, colour=OUTER_COLOUR)
+    builder.mesh(frame.world(points), faces, colour=RENDER)
 
 
 def _prism(
@@ -322,7 +322,7 @@ def soffit(
     walls = unary_union([body.area for body in bodies])
     out = unary_union([rooms, walls]).difference(below.buffer(reach + TOUCH, join_style="mitre"))
     builder = PartBuilder()
-    builder.level(solid_area(out), -LIFT, up=False, colour=OUTER_COLOUR)
+    builder.level(solid_area(out), -LIFT, up=False, colour=RENDER)
     if not builder:
         return []
     return [builder.build(f"structure/soffit/{level.id}", extras={"kind": "structure"})]

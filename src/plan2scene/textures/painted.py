@@ -17,6 +17,7 @@ import numpy as np
 
 from plan2scene.colour import (
     LUMINANCE,
+    RENDER,
     as_uint8,
     from_log_axes,
     linear_to_srgb,
@@ -66,8 +67,11 @@ _TURNED = 3.0
 #: real homes (development); .10 for the faint dots of a carpet of the demo.
 PLAIN_CARPET = 0.07
 #: What balconies, terraces and yards have where no photo shows them, since carpets and wallpapers
-#: stay indoors: linear values and substances of grey stone (a garage's floor, too) and of render.
-OPEN_AIR = {"floor": (0.30, "tile"), "wall": (0.65, "plaster")}
+#: stay indoors: linear RGB and substances of grey stone (a garage's floor, too) and of render.
+OUTDOORS = {
+    "floor": (np.full(3, 0.30), "tile"),
+    "wall": (srgb_to_linear(np.array(RENDER, np.uint8)), "plaster"),
+}
 #: Mean CIEDE2000 to the true material by kind of surface, seen and not, and of a seen wall or
 #: ceiling of a colour: 43 synthetic homes with 60 % of their photos hidden (development).
 SEEN, UNSEEN, COLOURED = (8.3, 6.2, 2.6), (16.1, 11.9, 2.6), 12.9
@@ -170,7 +174,7 @@ def paint_textures(
         for key in unseen
         if key not in photos
         and (
-            (key.room_id in open_air and key.kind in OPEN_AIR)
+            (key.room_id in open_air and key.kind in OUTDOORS)
             or (key.room_id in garages and key.kind == "floor")
         )
     }
@@ -321,14 +325,14 @@ def _plain_carpets(
 def _open_air_tiles(
     tiles: Mapping[SurfaceKey, np.ndarray], entries: Mapping[SurfaceKey, Mapping[str, Any]]
 ) -> dict[SurfaceKey, _Tile]:
-    """Return tiles in the colours of `OPEN_AIR`, of the grain of others where it is faint."""
+    """Return tiles in the colours of `OUTDOORS`, of the grain of others where it is faint."""
     made = {}
     for key, tile in tiles.items():
-        value, substance = OPEN_AIR[key.kind]
+        colour, substance = OUTDOORS[key.kind]
         size_m = float(entries[key]["size_m"])
-        image, pattern = plain(tile, np.full(3, value), len(tile) / size_m)
+        image, pattern = plain(tile, colour, len(tile) / size_m)
         if pattern > FAINT:  # joints, folds: not those of stone and render
-            image = np.full_like(image, as_uint8(linear_to_srgb(np.full(3, value))))
+            image = np.full_like(image, as_uint8(linear_to_srgb(colour)))
         made[key] = _Tile(image, size_m, substance, pattern)
     return made
 

@@ -19,6 +19,7 @@ from shapely.geometry import LineString, MultiPolygon, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 from skimage.measure import find_contours
 
+from plan2scene.house import OPEN_AIR
 from plan2scene.plans.room_names import room_types
 from plan2scene_app.ids import free_id
 from plan2scene_app.plan_formats.measures import read_areas, read_length, read_sides
@@ -166,9 +167,6 @@ def without_spikes(shape: BaseGeometry, width: float) -> BaseGeometry:
     return shape if shape.area - opened.area < 1.0 else opened
 
 
-OPEN_AIR = ("Balcony", "Terrace", "Outdoor")
-
-
 @dataclass(frozen=True)
 class TracedRoom:
     """A room in pixels of the frame."""
@@ -279,7 +277,7 @@ def without_inner_windows(
     A gap with nothing drawn in it looks like a window. Up to `widest` pixels it is a door, else a
     passage; neither is sure.
     """
-    indoors = {room.number for room in rooms if not set(room.types) & set(OPEN_AIR)}
+    indoors = {room.number for room in rooms if not OPEN_AIR.intersection(room.types)}
     kept = []
     for opening in openings:
         if opening.kind == "window" and {opening.room, opening.other} <= indoors:

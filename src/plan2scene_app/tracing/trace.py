@@ -16,7 +16,7 @@ from scipy import ndimage
 from shapely.geometry import Polygon
 
 from plan2scene.errors import InputError
-from plan2scene.house import DEFAULT_HEIGHT
+from plan2scene.house import DEFAULT_HEIGHT, OPEN_AIR
 from plan2scene.images import write_png
 from plan2scene.io import write_json, write_text
 from plan2scene.plans.plan_json import FORMAT, house_of_plan
@@ -70,7 +70,6 @@ from plan2scene_app.tracing.regions import (
     without_pockets,
 )
 from plan2scene_app.tracing.rooms import (
-    OPEN_AIR,
     TracedRoom,
     describe_rooms,
     room_polygons,
@@ -404,7 +403,7 @@ def _scale(
     evidence = []
     feet = sides_in_feet(line.text for line in lines)
     # What rails and hedges bound is measured less well than what walls do.
-    indoors = [room for room in rooms if not set(room.types) & set(OPEN_AIR)]
+    indoors = [room for room in rooms if not OPEN_AIR.intersection(room.types)]
     for room in indoors or rooms:
         rows, columns = np.nonzero(regions.floors == room.number)
         sides = float(np.ptp(columns) + 1), float(np.ptp(rows) + 1)
