@@ -22,6 +22,7 @@ from plan2scene.colour import (
 )
 from plan2scene.house import Room
 from plan2scene.mesh.parts import Colour, MeshPart, PartBuilder
+from plan2scene.plans.room_names import is_garage
 from plan2scene.plans.wall_sides import Portal
 from plan2scene.seeds import generator
 
@@ -103,15 +104,18 @@ def is_hatch(portal: Portal, indoors: Collection[str]) -> bool:
 def is_glazed(portal: Portal, rooms: Mapping[str, Room]) -> bool:
     """Return whether a door leads from one of the `rooms` lived in to a balcony or terrace.
 
-    One with two leaves to the outside is a patio door, too.
+    One with two leaves to the outside is a patio door, too, also from such a terrace; a wider one
+    slides, unless it is a garage's.
     """
     if portal.hole.opening.kind != "door":
         return False
-    wide = portal.width > JOINERY.two_leaves
     joined = [rooms[room] for room in (portal.side.room_id, portal.other) if room is not None]
     indoors = [room for room in joined if not room.open_air]
-    outside = len(joined) > len(indoors) or (portal.other is None and wide)
-    return len(indoors) == 1 and outside and bool(GLAZED & set(indoors[0].types))
+    lived_in = any(GLAZED & set(room.types) for room in indoors)
+    if portal.other is not None:
+        return len(indoors) == 1 and lived_in
+    slides = portal.width > JOINERY.sections and not is_garage(joined[0].title)
+    return portal.width > JOINERY.two_leaves and (lived_in or not indoors or slides)
 
 
 def _centre(portal: Portal) -> np.ndarray:

@@ -5,7 +5,7 @@ Agents draw walls solid and doors as a gap with a thin arc: a network sees wall 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence, Set
 from dataclasses import replace
 from itertools import product
 
@@ -322,11 +322,27 @@ def with_whole_windows(
     others = [np.array([opening.start, opening.end]) for opening in found]
     edges = edges_of(polygons)
     for window in long:
-        middle = (np.array(window.start) + window.end) / 2
-        own = (edge for edge in edges if edge.room == window.room)
-        edge = min(own, key=lambda edge: edge.distance(middle))
-        found += _whole_windows(window, edge, others, ink, wall_px, ppm)
+        found += _whole_windows(window, _edge_of(window, edges), others, ink, wall_px, ppm)
     return joined(found, ppm)
+
+
+def _edge_of(opening: TracedOpening, edges: Sequence[Edge]) -> Edge:
+    """Return the edge of its room that an opening is on."""
+    middle = (np.array(opening.start) + opening.end) / 2
+    own = (edge for edge in edges if edge.room == opening.room)
+    return min(own, key=lambda edge: edge.distance(middle))
+
+
+def _across(edge: Edge, plane: np.ndarray, wall_px: float) -> np.ndarray:
+    """Return what a plane (h, w) float32 has across a wall, (n, m): a row for a pixel of an edge.
+
+    It goes from `wall_px` on one side of the edge to as much on the other.
+    """
+    steps = np.arange(0.5, edge.length)
+    half = np.arange(-round(wall_px), round(wall_px) + 1)
+    places = edge.start + steps[:, None, None] * edge.way + half[None, :, None] * edge.inwards
+    rows, columns = places[..., 1], places[..., 0]
+    return np.asarray(ndimage.map_coordinates(plane, [rows, columns], order=1, mode="nearest"))
 
 
 def _whole_windows(
@@ -341,10 +357,8 @@ def _whole_windows(
 
     They end before `others`, ends (2, 2) of openings that are no windows.
     """
+    drawn = _across(edge, ink, wall_px)
     steps = np.arange(0.5, edge.length)
-    half = np.arange(-round(wall_px), round(wall_px) + 1)
-    places = edge.start + steps[:, None, None] * edge.way + half[None, :, None] * edge.inwards
-    drawn = ndimage.map_coordinates(ink, [places[..., 1], places[..., 0]], order=1, mode="nearest")
     low, high = sorted(edge.place(np.array([window.start, window.end]))[0].tolist())
     own = (steps > low) & (steps < high)
     if not own.any():
@@ -372,6 +386,88 @@ def _whole_windows(
         p, q = ((edge.start + along * edge.way).tolist() for along in (first, last))
         found.append(replace(window, start=(p[0], p[1]), end=(q[0], q[1])))
     return found
+
+
+def with_sliding_doors(
+    openings: Sequence[TracedOpening],
+    polygons: Mapping[int, Polygon],
+    image: np.ndarray,
+    wall_px: float,
+    ppm: float,
+    open_air: Set[int],
+) -> list[TracedOpening]:
+    """Return openings with gaps to the outside that are part panes, part blank as one door each.
+
+    Its panes slide: they are drawn beside what stands open. `open_air` are the numbers of terraces,
+    balconies and yards. `image` (h, w, 3) uint8 has no text; walls are `wall_px` thick.
+    """
+    ink = ink_of(image)
+    paper = np.median(image.reshape(-1, 3), axis=0)
+    marks = np.abs(image - paper).max(axis=2) / 255
+    edges = edges_of(polygons)
+    kept = list(openings)
+    for opening in openings:
+        if opening not in kept or not _leads_out(opening, open_air):
+            continue
+        edge = _edge_of(opening, edges)
+        middle = edge.place((np.array([opening.start]) + opening.end) / 2)[0][0]
+        drawn, marked = (_across(edge, plane, wall_px) for plane in (ink, marks))
+        gap = _sliding(drawn, marked, int(middle), ppm)
+        if gap is None:
+            continue
+        inside = [o for o in kept if _lies_in(o, edge, gap, 2 * wall_px)]
+        sure = any(o.kind == "door" and o.confidence >= SETTINGS.swung for o in inside)
+        if sure or not all(_leads_out(o, open_air) for o in inside):
+            continue
+        if any(o.kind == "window" for o in inside):  # the network knows best where panes end
+            spots = edge.place(np.array([p for o in inside for p in (o.start, o.end)]))[0]
+            gap = float(spots.min()), float(spots.max())
+        start, end = ((edge.start + along * edge.way).tolist() for along in gap)
+        door = replace(opening, kind="door", start=tuple(start), end=tuple(end), confidence=0.5)
+        kept = [o for o in kept if o not in inside] + [door]
+    return kept
+
+
+def _leads_out(opening: TracedOpening, open_air: Set[int]) -> bool:
+    """Return whether an opening leads out of doors, or to a room in the `open_air`."""
+    return not opening.other or bool(open_air & {opening.room, opening.other})
+
+
+def _sliding(
+    ink: np.ndarray, marks: np.ndarray, middle: int, ppm: float
+) -> tuple[float, float] | None:
+    """Return the ends, along an edge, of the gap around `middle` whose panes slide; None of others.
+
+    `ink`, and `marks` of any colour, are as of :func:`_across`. The gap goes from wall to wall:
+    panes are thinner.
+    """
+    thick = np.array([_longest_run(row > SETTINGS.solid_ink) for row in ink])
+    post = np.ones(max(1, round(SETTINGS.pier * ppm)))
+    wall = thick >= SETTINGS.as_thick * thick.max()
+    wall = ndimage.binary_opening(np.pad(wall, len(post), mode="edge"), post)[
+        len(post) : -len(post)
+    ]
+    before, after = np.flatnonzero(wall[:middle]), np.flatnonzero(wall[middle:])
+    if not len(before) or not len(after) or after[0] == 0:
+        return None
+    low, high = int(before[-1]) + 1, middle + int(after[0])
+    blank = marks[low:high].max(axis=1) < SETTINGS.faint
+    slides = (
+        _longest_run(blank) >= SETTINGS.door_gap[0] * ppm and blank.mean() <= SETTINGS.slid_open
+    )
+    return (float(low), float(high)) if slides else None
+
+
+def _longest_run(line: np.ndarray) -> int:
+    """Return the length of the longest run of a line (n,) bool."""
+    edges = np.flatnonzero(np.diff(np.r_[0, line.astype(np.int8), 0]))
+    return int((edges[1::2] - edges[::2]).max(initial=0))
+
+
+def _lies_in(opening: TracedOpening, edge: Edge, gap: tuple[float, float], off: float) -> bool:
+    """Return whether an opening's middle is in a gap of an edge, at most `off` pixels beside it."""
+    along, beside = edge.place((np.array([opening.start]) + opening.end) / 2)
+    return bool(gap[0] < along[0] < gap[1] and abs(beside[0]) <= off)
 
 
 def with_swings(

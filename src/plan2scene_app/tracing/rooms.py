@@ -8,7 +8,7 @@ it, and the cells of a room make its polygon: neighbours share their walls.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 
 import cv2
@@ -295,6 +295,30 @@ def with_garage_doors(
     return [
         replace(opening, kind="door")
         if opening.room in garages and not opening.other and opening.width >= least
+        else opening
+        for opening in openings
+    ]
+
+
+def with_terrace_doors(
+    openings: Sequence[TracedOpening], open_air: Set[int], least: float
+) -> list[TracedOpening]:
+    """Return openings with a wide window of a room to a terrace as the door between the two.
+
+    Sliding doors are drawn as windows are. `open_air` are the numbers of terraces, balconies and
+    yards, `least` are pixels. A room that has a door or passage to the terrace has no second one.
+    """
+    ways = [{opening.room, opening.other} for opening in openings if opening.kind != "window"]
+    doors: list[TracedOpening] = []
+    for opening in sorted(openings, key=lambda opening: -opening.width):
+        sides = {opening.room, opening.other}
+        out = opening.kind == "window" and opening.other and len(open_air & sides) == 1
+        if out and opening.width >= least and sides not in ways:
+            ways.append(sides)
+            doors.append(opening)
+    return [
+        replace(opening, kind="door", confidence=min(opening.confidence, 0.5))
+        if opening in doors
         else opening
         for opening in openings
     ]

@@ -176,11 +176,14 @@ class TraceSettings:
     open_blank: float = 0.8  #: share of it without a passage's symbol: else it has one
     alike_lines: float = 0.12  #: darkness by which lines across one window differ
     pier: float = 0.3  #: m of the narrowest wall between two windows
+    as_thick: float = 0.8  #: of an edge's thickest line: its wall; panes are thinner
+    slid_open: float = 0.7  #: share of a gap with sliding panes that is blank at most
     least_door: float = 0.4  #: m
     least_window: float = 0.3  #: m
     least_passage: float = 0.5  #: m
     widest_door: float = 1.2  #: m: a wider gap between rooms is a passage
     garage_door: float = 2.0  #: m of the narrowest one
+    terrace_door: float = 1.5  #: m of the narrowest window that is one
     # Text and scale.
     text_px: tuple[int, int] = (1300, 2000)  #: longer side that text is read at
     printed_edge: float = 0.02  #: of the longer side: paper left around what is printed

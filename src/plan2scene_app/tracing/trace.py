@@ -37,6 +37,7 @@ from plan2scene_app.tracing.ink import (
     drawn_solid,
     with_drawn_doors,
     with_drawn_walls,
+    with_sliding_doors,
     with_swings,
     with_swung_windows,
     with_whole_windows,
@@ -74,6 +75,7 @@ from plan2scene_app.tracing.rooms import (
     describe_rooms,
     room_polygons,
     with_garage_doors,
+    with_terrace_doors,
     with_types_by_marks,
     without_inner_windows,
 )
@@ -175,8 +177,12 @@ def trace_picture(
     garages = [room.number for room in rooms if is_garage(room.name)]
     openings = with_swung_windows(openings, *drawn, upstairs)
     openings = with_whole_windows(openings, polygons, *drawn, regions.ppm, garages)
+    open_air = {room.number for room in rooms if OPEN_AIR.intersection(room.types)}
+    if drawn_solid(regions.structure, frame.image, regions.ppm):
+        openings = with_sliding_doors(openings, polygons, *drawn, regions.ppm, open_air)
     openings = without_inner_windows(openings, rooms, SETTINGS.widest_door / metres)
     openings = with_garage_doors(openings, garages, SETTINGS.garage_door / metres)
+    openings = with_terrace_doors(openings, open_air, SETTINGS.terrace_door / metres)
     kept = tuple(o for o in openings if o.width * metres >= LEAST_WIDTH[o.kind])
     return TracedPlan(
         picture.image,

@@ -47,12 +47,31 @@ def test_a_painted_leaf_has_panels():
     assert len(np.unique(colours, axis=0)) == 2
 
 
+@pytest.mark.parametrize(
+    ("types", "name", "wide", "glass"),
+    [
+        (("Terrace",), "Pavilion", 2.4, True),
+        (("Corridor",), "Hall", 2.4, True),
+        (("Corridor",), "Hall", 1.6, False),  # a front door
+        (("Unknown",), "Garage", 2.4, False),
+    ],
+)
+def test_a_wide_door_to_the_outside_is_glass_but_a_garages(types, name, wide, glass):
+    house = box_house(wide=3.2)
+    walls = list(house.walls)
+    hole = replace(walls[2].openings[0], kind="door", start=0.3, end=0.3 + wide, bottom=0.0)
+    walls[2] = replace(walls[2], openings=(hole,))
+    room = replace(house.rooms[0], types=types, name=name)
+    made = assemble(House("h", (room,), tuple(walls), ()))
+    assert ("room/door/wide/glass" in {part.name for part in made.parts}) == glass
+
+
 def test_a_garage_door_has_sections_and_no_handle():
     house = box_house(wide=3.2)
     walls = list(house.walls)
     hole = replace(walls[2].openings[0], kind="door", start=0.3, end=2.9, bottom=0.0)
     walls[2] = replace(walls[2], openings=(hole,))
-    room = replace(house.rooms[0], types=("Unknown",))
+    room = replace(house.rooms[0], types=("Unknown",), name="Garage")
     garage = House("h", (room,), tuple(walls), (), door_colours=(("", GREEN),))
     (door,) = [part for part in assemble(garage).parts if part.name == "room/door/wide"]
     dark = tuple(round(PANEL_SHADE * value) for value in GREEN)

@@ -9,6 +9,7 @@ import pytest
 from plan2scene_app.tracing.ink import (
     with_drawn_doors,
     with_drawn_walls,
+    with_sliding_doors,
     with_swings,
     with_swung_windows,
     with_whole_windows,
@@ -16,7 +17,7 @@ from plan2scene_app.tracing.ink import (
 from plan2scene_app.tracing.named_areas import without_counters
 from plan2scene_app.tracing.openings import TracedOpening, find_openings
 from plan2scene_app.tracing.regions import find_regions
-from plan2scene_app.tracing.rooms import room_polygons, with_garage_doors
+from plan2scene_app.tracing.rooms import room_polygons, with_garage_doors, with_terrace_doors
 from plan2scene_app.tracing.settings import DOOR, OUTSIDE, PASSAGE, ROOM, WALL, WINDOW
 from plan2scene_app.tracing.thin_walls import with_thin_walls
 
@@ -219,6 +220,43 @@ def test_a_window_is_as_long_as_its_lines(missed, pier):
     widths = [opening.width for opening in found if opening.kind == "window"]
     assert widths == pytest.approx([15, 15] if pier else [45], abs=2)
     assert [o for o in found if o.kind == "door"] == [o for o in openings if o.kind == "door"]
+
+
+@pytest.mark.parametrize(
+    ("blank", "lines", "kind"),
+    [
+        (slice(193, 212), 1, "door"),  # between two panes one can walk out
+        (slice(0, 0), 1, "window"),
+        (slice(200, 204), 1, "window"),  # too narrow
+        (slice(193, 212), 3, "window"),  # the wall goes on to both sides: two windows
+    ],
+)
+def test_panes_beside_a_blank_are_a_sliding_door(blank, lines, kind):
+    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels()).astype(np.uint8)
+    page = solid_page(labels)
+    page[31 : 31 + lines, 180:225] = 0
+    page[30:33, blank] = 255
+    regions = find_regions(labels, PPM)
+    polygons = room_polygons(regions)
+    openings = find_openings(regions, polygons, as_probabilities(labels))
+    found = with_sliding_doors(openings, polygons, page, regions.wall_px, PPM, set())
+    (outer,) = [o for o in found if not o.other and o.start[1] < 40 and o.start[0] > 150]
+    assert outer.kind == kind and outer.width == pytest.approx(45, abs=2)
+    assert len(found) == len(openings)
+
+
+def test_the_widest_window_to_a_terrace_without_a_door_is_one():
+    wide = TracedOpening("window", (0.0, 0.0), (80.0, 0.0), 1, 2, 0.9)
+    kept = [
+        replace(wide, end=(70.0, 0.0)),  # one door to a terrace is enough
+        replace(wide, other=0),
+        replace(wide, room=3, other=1),
+        replace(wide, room=4, end=(30.0, 0.0)),
+        replace(wide, room=5),  # that room has a door
+        replace(wide, room=5, kind="door"),
+    ]
+    door, *others = with_terrace_doors([wide, *kept], {2}, 60.0)
+    assert door == replace(wide, kind="door", confidence=0.5) and others == kept
 
 
 def test_a_wide_window_of_a_garage_to_the_outside_is_its_door():
