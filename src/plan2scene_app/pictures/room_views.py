@@ -42,6 +42,7 @@ class RoomViewSettings:
     least_facing: float = 0.1  #: cosine: what is seen at a flatter angle counts as at this one
     windows: float = 0.6  #: what all windows count, beside all of the floor and of the walls
     panes: tuple[float, ...] = (0.25, 0.75)  #: where along a window it is looked for
+    least_pane: float = 0.25  #: cosine: a window that is seen at a flatter angle does not count
 
 
 SETTINGS = RoomViewSettings()
@@ -87,7 +88,7 @@ def camera_in(house: House, room_id: str, rays: Rays | None) -> Camera:
     def worth(camera: Camera) -> float:
         (floor, walls), near = _seen_area(camera, room_id, rays)
         shown = floor / polygon.area + walls / (polygon.length * room.height)
-        shown += SETTINGS.windows * _seen_share(camera, panes, rays)
+        shown += SETTINGS.windows * _seen_share(camera, *panes, rays)
         return shown if near < SETTINGS.most_near else 1e-3 * shown * (1.0 - near)
 
     return max(cameras, key=worth)
@@ -123,30 +124,34 @@ def _seen_area(camera: Camera, room_id: str, rays: Rays) -> tuple[tuple[float, f
     return (floor, walls), float(near.sum() / len(ways))
 
 
-def _panes(house: House, room_id: str) -> np.ndarray:
-    """Return points (n, 3) on the panes of a room's windows."""
+def _panes(house: House, room_id: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return points (n, 3) on the panes of a room's windows, and which way these face (n, 3)."""
     floor = house.level_of(room_id).elevation
-    points = []
+    points, normals = [], []
     for wall in house.walls:
+        (x0, z0), (x1, z1) = wall.start, wall.end
         for opening in wall.openings if room_id in wall.room_ids else ():
             if opening.kind == "window":
                 y = floor + 0.4 * opening.bottom + 0.6 * opening.top
                 ways = (opening.start + s * (opening.end - opening.start) for s in SETTINGS.panes)
                 points += [(x, y, z) for x, z in (point_along(wall, way) for way in ways)]
-    return np.array(points).reshape(-1, 3)
+                normal = np.array([z0 - z1, 0.0, x1 - x0]) / wall.length
+                normals += [normal] * len(SETTINGS.panes)
+    return np.array(points).reshape(-1, 3), np.array(normals).reshape(-1, 3)
 
 
-def _seen_share(camera: Camera, points: np.ndarray, rays: Rays) -> float:
-    """Return the share of points (n, 3) that a picture shows; 0 of none."""
+def _seen_share(camera: Camera, points: np.ndarray, normals: np.ndarray, rays: Rays) -> float:
+    """Return the share of points (n, 3) that a picture shows, not from the side; 0 of none."""
     if not len(points):
         return 0.0
     ways = points - camera.position
     far = np.linalg.norm(ways, axis=1)
     eyes = np.tile(camera.position, (len(points), 1))
     free = rays.distances(eyes, ways / far[:, None]) > far - SETTINGS.clear_m
+    faces = np.abs((ways * normals).sum(axis=1)) >= SETTINGS.least_pane * far
     pixels = camera.project(points)  # NaN behind the camera
     within = (pixels > 0).all(axis=1) & (pixels < [camera.width, camera.height]).all(axis=1)
-    return float((within & free).mean())
+    return float((within & free & faces).mean())
 
 
 def _doorways(house: House, room: Room) -> list[tuple[np.ndarray, np.ndarray]]:
