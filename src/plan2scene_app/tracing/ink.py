@@ -54,6 +54,20 @@ def with_drawn_walls(structure: np.ndarray, image: np.ndarray, ppm: float) -> np
     return np.where(goes_on[solid] & (structure == OUTSIDE), WALL, structure).astype(np.uint8)
 
 
+def without_standing_lines(structure: np.ndarray, image: np.ndarray, ppm: float) -> np.ndarray:
+    """Return the structure (h, w) uint8, walls drawn solid, with thin lines on a floor as floor.
+
+    The network takes the outline of a kitchen's island for walls.
+    """
+    solid = solid_walls(ink_of(image), ppm)
+    around, _ = ndimage.label(np.pad(structure == OUTSIDE, 1, constant_values=True))
+    outside = ndimage.binary_dilation(around == around[0, 0])[1:-1, 1:-1]
+    places, count = ndimage.label(~np.isin(structure, (ROOM, OUTSIDE)), np.ones((3, 3)))
+    stands = np.ones(count + 1, bool)
+    stands[np.unique(places[solid | outside | (structure != WALL)])] = False
+    return np.where(stands[places], ROOM, structure).astype(np.uint8)
+
+
 def with_drawn_doors(structure: np.ndarray, image: np.ndarray, ppm: float) -> np.ndarray:
     """Return the structure (h, w) uint8 with gaps in solid walls, and swings, as doors.
 
@@ -415,13 +429,19 @@ def with_sliding_doors(
         gap = _sliding(drawn, marked, int(middle), ppm)
         if gap is None:
             continue
-        inside = [o for o in kept if _lies_in(o, edge, gap, 2 * wall_px)]
+        spans = [(o, *np.sort(edge.place(np.array([o.start, o.end]))[0])) for o in kept]
+        beside = SETTINGS.slid_beside * ppm
+        reached = [
+            (o, low, high)
+            for o, low, high in spans
+            if low < gap[1] + beside and high > gap[0] - beside and _lies_on(o, edge, 2 * wall_px)
+        ]
+        inside = [o for o, _, _ in reached]
         sure = any(o.kind == "door" and o.confidence >= SETTINGS.swung for o in inside)
         if sure or not all(_leads_out(o, open_air) for o in inside):
             continue
-        if any(o.kind == "window" for o in inside):  # the network knows best where panes end
-            spots = edge.place(np.array([p for o in inside for p in (o.start, o.end)]))[0]
-            gap = float(spots.min()), float(spots.max())
+        panes = [(low, high) for o, low, high in reached if o.kind == "window"]
+        gap = min([gap, *panes])[0], max(high for _, high in [gap, *panes])
         start, end = ((edge.start + along * edge.way).tolist() for along in gap)
         door = replace(opening, kind="door", start=tuple(start), end=tuple(end), confidence=0.5)
         kept = [o for o in kept if o not in inside] + [door]
@@ -452,10 +472,12 @@ def _sliding(
         return None
     low, high = int(before[-1]) + 1, middle + int(after[0])
     blank = marks[low:high].max(axis=1) < SETTINGS.faint
-    slides = (
-        _longest_run(blank) >= SETTINGS.door_gap[0] * ppm and blank.mean() <= SETTINGS.slid_open
-    )
-    return (float(low), float(high)) if slides else None
+    if _longest_run(blank) < SETTINGS.door_gap[0] * ppm or blank.mean() > SETTINGS.slid_open:
+        return None
+    panes = ink[low:high][~blank]
+    step = max(1, round(SETTINGS.dash * ppm))
+    runs = np.abs(panes[step:] - panes[:-step]).max(axis=1) <= SETTINGS.alike_lines
+    return (float(low), float(high)) if runs.mean() >= 0.5 else None  # a bay's lines are slanted
 
 
 def _longest_run(line: np.ndarray) -> int:
@@ -464,10 +486,9 @@ def _longest_run(line: np.ndarray) -> int:
     return int((edges[1::2] - edges[::2]).max(initial=0))
 
 
-def _lies_in(opening: TracedOpening, edge: Edge, gap: tuple[float, float], off: float) -> bool:
-    """Return whether an opening's middle is in a gap of an edge, at most `off` pixels beside it."""
-    along, beside = edge.place((np.array([opening.start]) + opening.end) / 2)
-    return bool(gap[0] < along[0] < gap[1] and abs(beside[0]) <= off)
+def _lies_on(opening: TracedOpening, edge: Edge, off: float) -> bool:
+    """Return whether an opening is on an edge, at most `off` pixels beside it."""
+    return bool(np.abs(edge.place(np.array([opening.start, opening.end]))[1]).max() <= off)
 
 
 def with_swings(

@@ -176,7 +176,8 @@ class TraceSettings:
     open_blank: float = 0.8  #: share of it without a passage's symbol: else it has one
     alike_lines: float = 0.12  #: darkness by which lines across one window differ
     pier: float = 0.3  #: m of the narrowest wall between two windows
-    as_thick: float = 0.8  #: of an edge's thickest line: its wall; panes are thinner
+    as_thick: float = 0.6  #: of an edge's thickest line: its wall; panes are thinner
+    slid_beside: float = 0.8  #: m to windows that are of one door with sliding panes
     slid_open: float = 0.7  #: share of a gap with sliding panes that is blank at most
     least_door: float = 0.4  #: m
     least_window: float = 0.3  #: m

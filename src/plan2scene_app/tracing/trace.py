@@ -41,6 +41,7 @@ from plan2scene_app.tracing.ink import (
     with_swings,
     with_swung_windows,
     with_whole_windows,
+    without_standing_lines,
 )
 from plan2scene_app.tracing.lettering import TextLine, read_lines, reader_installed, without_text
 from plan2scene_app.tracing.named_areas import with_named_areas, without_counters
@@ -289,6 +290,7 @@ def _seen(image: np.ndarray, segmenter: PlanSegmenter, texts: Sequence[TextLine]
     seen_walls = drawn_solid(structure, frame.image, ppm)
     if seen_walls:
         structure = with_drawn_walls(structure, frame.image, ppm)
+        structure = without_standing_lines(structure, frame.image, ppm)
     divided = structure
     if not seen_walls or floor_count(structure, ppm) < SETTINGS.floors_a_name * len(names):
         divided, ppm = with_thin_walls(structure, frame.image, names, told, ppm)

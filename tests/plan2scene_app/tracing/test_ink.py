@@ -13,6 +13,7 @@ from plan2scene_app.tracing.ink import (
     with_swings,
     with_swung_windows,
     with_whole_windows,
+    without_standing_lines,
 )
 from plan2scene_app.tracing.named_areas import without_counters
 from plan2scene_app.tracing.openings import TracedOpening, find_openings
@@ -243,6 +244,34 @@ def test_panes_beside_a_blank_are_a_sliding_door(blank, lines, kind):
     (outer,) = [o for o in found if not o.other and o.start[1] < 40 and o.start[0] > 150]
     assert outer.kind == kind and outer.width == pytest.approx(45, abs=2)
     assert len(found) == len(openings)
+
+
+def test_the_slanted_lines_of_a_bay_are_no_panes():
+    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels()).astype(np.uint8)
+    page = solid_page(labels)
+    cv2.line(page, (180, 33), (189, 28), (0, 0, 0), 1)
+    cv2.line(page, (224, 33), (215, 28), (0, 0, 0), 1)
+    regions = find_regions(labels, PPM)
+    polygons = room_polygons(regions)
+    openings = find_openings(regions, polygons, as_probabilities(labels))
+    found = with_sliding_doors(openings, polygons, page, regions.wall_px, PPM, set())
+    assert found == openings
+
+
+def test_the_outline_of_an_island_is_no_wall_but_a_pillar_is():
+    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels()).astype(np.uint8)
+    page = solid_page(labels)
+    bare = labels.copy()
+    for box in ((slice(60, 90), slice(170, 172)), (slice(60, 90), slice(200, 202))):
+        labels[box], page[box] = WALL, 0  # thin lines
+    labels[62:88, 172:200] = OUTSIDE  # what they enclose
+    pillar = slice(60, 70), slice(80, 90)
+    labels[pillar], page[pillar] = WALL, 0
+    found = without_standing_lines(labels, page, PPM)
+    expected = bare.copy()
+    expected[62:88, 172:200] = OUTSIDE
+    expected[pillar] = WALL
+    assert (found == expected).all()
 
 
 def test_the_widest_window_to_a_terrace_without_a_door_is_one():
