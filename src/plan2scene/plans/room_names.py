@@ -11,6 +11,11 @@ from plan2scene.house import ROOM_TYPES
 
 #: Stems of the names of garages; see `_STEMS`.
 _GARAGE = "garage gar garaje box_auto garagem garasje autotalli garaz garaj гараж"
+#: The same of laundries and utility rooms.
+_LAUNDRY = (
+    "utility util laundry laund lndry ldry l_dry ldy buand lavanderia lavadero lavandaria "
+    "bijkeuken hwr hauswirtschaft tvatt tvattstuga vaskerom bryggers kodinhoitohuone pralnia"
+)
 #: Stems of words (lower case, no accents; `_` for a space) by room type. The first type that has a
 #: stem of a word decides: "bathroom" is told before "room" could be. Named rooms that no type fits
 #: (with a roof, of no usual use) are Unknown.
@@ -72,12 +77,9 @@ _STEMS = {
         "クローゼット 収納 押入 物入 納戸 储藏"
     ),
     "Unknown": (
-        f"{_GARAGE} lift elevator "
-        "aufzug ascenseur ascensor utility util laundry laund lndry ldry l_dry ldy buand "
-        "lavanderia lavadero lavandaria bijkeuken "
-        "technical technik mech hwr hauswirtschaft tvatt tvattstuga vaskerom bryggers "
-        "loft attic basement "
-        "kodinhoitohuone pralnia heizung heizungsraum keller cellar cave plant workshop werkstatt "
+        f"{_GARAGE} {_LAUNDRY} lift elevator "
+        "aufzug ascenseur ascensor technical technik mech loft attic basement "
+        "heizung heizungsraum keller cellar cave plant workshop werkstatt "
         "vaerksted verksted "
         "gym study stdy office buro arbeitsz bureau despacho ufficio werkkamer escritorio kontor "
         "tyohuone gabinet calisma_odasi кабинет"
@@ -123,6 +125,12 @@ def room_types(name: str) -> tuple[str, ...]:
 def is_garage(name: str) -> bool:
     """Return whether a room is called a garage, and nothing else that is used."""
     return room_types(name) == ("Unknown",) and _has_stem(_words_of(name), _GARAGE)
+
+
+def is_kitchen(types: Sequence[str], name: str) -> bool:
+    """Return whether a room of some types is a kitchen, laundry or utility room alone."""
+    laundry = room_types(name) == ("Unknown",) and _has_stem(_words_of(name), _LAUNDRY)
+    return laundry or tuple(types) == ("Kitchen",)
 
 
 def _type_of(text: str) -> str | None:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from plan2scene.plans.room_names import is_garage, room_types
+from plan2scene.plans.room_names import is_garage, is_kitchen, room_types
 
 NAMES = {
     ("Bedroom",): "Master bedroom 2|Zimmer 2|Camera da letto|Slaapkamer|Makuuhuone 2|Sypialnia"
@@ -33,3 +33,16 @@ def test_names(types):
 )
 def test_a_garage_is_told_by_its_name(name, garage):
     assert is_garage(name) is garage
+
+
+@pytest.mark.parametrize(
+    ("name", "types", "kitchen"),
+    [
+        ("Kök", ("Kitchen",), True),
+        ("L'DRY", ("Unknown",), True),
+        ("Kitchen / Living", ("Kitchen", "Reception"), False),
+        ("Study", ("Unknown",), False),
+    ],
+)
+def test_a_room_for_kitchen_work_is_told_by_its_types_or_name(name, types, kitchen):
+    assert is_kitchen(types, name) is kitchen

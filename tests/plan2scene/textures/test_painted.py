@@ -384,6 +384,25 @@ def test_a_hook_in_a_wall_is_not_repeated_all_over_it():
         assert np.abs(log - np.median(log)).max() < 0.06, name
 
 
+@pytest.mark.parametrize("bare", ["a", ""])
+def test_an_unseen_floor_of_a_kitchen_is_no_carpet(bare, tmp_path):
+    rows = [(room, "floor", [0.4, 0.3, 0.2], False, "1.jpg") for room in ("a", "bed")]
+    table = pd.DataFrame(rows, columns=["room_id", "surface", "paint", "white", "photos"])
+    write_parquet(tmp_path / "paint.parquet", table, {"dataset": "d", "house": "h"})
+    oak, pile = (np.full((8, 8, 3), colour, np.uint8) for colour in ((180, 120, 70), 150))
+    names = {f"{room}/floor": oak if room == bare else pile for room in ("a", "bed", "k", "l")}
+    like_bed = {"observed": False, "source": "exemplar of bed, 1.0 dE2000", "substance": "carpet"}
+    entries = dict.fromkeys(("k/floor", "l/floor"), like_bed)
+    entries |= {"bed/floor": {"substance": "carpet"}}
+    entries |= {"a/floor": {"substance": "wood" if bare else "carpet"}}
+    folder = textures_of(tmp_path / "t", names, **entries)
+    paint_textures(folder, tmp_path / "paint.parquet", tmp_path / "out", kitchens=["k"])
+    found = read_json(tmp_path / "out" / "textures.json")["surfaces"]
+    assert found["k/floor"]["substance"] == ("wood" if bare else "carpet")
+    assert found["k/floor"]["evidence"]["like"] == (bare or "bed")
+    assert found["l/floor"]["substance"] == "carpet"
+
+
 def test_an_unseen_floor_of_a_garage_is_grey(paint, tmp_path):
     oak = np.full((64, 64, 3), (180, 120, 70), np.uint8)
     names = ("a/floor", "garage/floor", "garage/wall")
