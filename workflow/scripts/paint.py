@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from plan2scene.paint.surfaces import write_paint
-from plan2scene.plans.room_names import is_garage, is_kitchen
+from plan2scene.plans.room_names import has_bare_floor, is_garage
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.textures.painted import paint_textures
 from plan2scene.workflow.jobs import job
@@ -33,6 +33,6 @@ with job(snakemake.log[0]):
         open_air={room.id for room in plan.rooms if room.open_air},
         garages={room.id for room in plan.rooms if is_garage(room.name or room.id)},
         bathrooms={room.id for room in plan.rooms if "Bathroom" in room.types},
-        kitchens={r.id for r in plan.rooms if is_kitchen(r.types, r.name or r.id)},
+        uncarpeted={r.id for r in plan.rooms if has_bare_floor(r.types, r.name or r.id)},
         last_word=set_finishes if finishes else None,
     )

@@ -127,10 +127,10 @@ def is_garage(name: str) -> bool:
     return room_types(name) == ("Unknown",) and _has_stem(_words_of(name), _GARAGE)
 
 
-def is_kitchen(types: Sequence[str], name: str) -> bool:
-    """Return whether a room of some types is a kitchen, laundry or utility room alone."""
+def has_bare_floor(types: Sequence[str], name: str) -> bool:
+    """Return whether a room is a kitchen, laundry or entrance hall alone: few have a carpet."""
     laundry = room_types(name) == ("Unknown",) and _has_stem(_words_of(name), _LAUNDRY)
-    return laundry or tuple(types) == ("Kitchen",)
+    return laundry or tuple(types) in (("Kitchen",), ("Entrance",))
 
 
 def _type_of(text: str) -> str | None:

@@ -106,7 +106,7 @@ def paint_textures(
     open_air: Collection[str] = (),
     garages: Collection[str] = (),
     bathrooms: Collection[str] = (),
-    kitchens: Collection[str] = (),
+    uncarpeted: Collection[str] = (),
     last_word: Callable[[Path], None] | None = None,
 ) -> None:
     """Write a textures folder whose tiles and maps have the colours of ``paint.parquet``.
@@ -116,7 +116,7 @@ def paint_textures(
     id of their opening; ``trim.json`` of frames and skirting where these are of wood. An accent
     wall has its room's pattern in its own paint, walls of one panelling have one pattern. An unseen
     white wall has no pattern of another room, unseen floors and walls of `bathrooms` (their ids)
-    are as in another one, unseen floors of `kitchens` and laundries are no carpet, unseen surfaces
+    are as in another one, unseen floors of those `uncarpeted` are no carpet, unseen surfaces
     of rooms in the `open_air` are of stone and render, unseen floors of `garages` of stone.
     `last_word` may change the folder before it takes its place.
     """
@@ -133,7 +133,7 @@ def paint_textures(
                 entries[usual] = entries[usual] | {"observed": False}
     unseen = {key for key, entry in entries.items() if entry.get("observed") is False}
     alike = _other_bathrooms(bathrooms, entries, paints)
-    alike |= _without_carpet(kitchens, bathrooms, entries, paints)
+    alike |= _without_carpet(uncarpeted, bathrooms, entries, paints)
     unseen -= alike.keys()
     whites = plain_whites(paints, white_surfaces, unseen, open_air)  # by what photos show
     panels = _one_panelling(entries, paints, white_surfaces, unseen - paints.keys() - whites)
@@ -144,7 +144,9 @@ def paint_textures(
     for key, other in alike.items():
         tiles[key], paints[key] = tiles[other], paints[other]
         use = (
-            "as the use of the room asks" if key.room_id in kitchens else "as in the other bathroom"
+            "as the use of the room asks"
+            if key.room_id in uncarpeted
+            else "as in the other bathroom"
         )
         source = f"{use}, like {other.room_id}"
         entries[key] = entries[other] | {"observed": False, "source": source}
@@ -245,14 +247,14 @@ def _other_bathrooms(
 
 
 def _without_carpet(
-    kitchens: Collection[str],
+    uncarpeted: Collection[str],
     bathrooms: Collection[str],
     entries: Mapping[SurfaceKey, Mapping[str, Any]],
     paints: Mapping[SurfaceKey, np.ndarray],
 ) -> dict[SurfaceKey, SurfaceKey]:
-    """Return the floor that each unseen carpet of `kitchens` is like instead: one with crops.
+    """Return the floor that each unseen carpet of rooms `uncarpeted` is like: one with crops.
 
-    That of a kitchen first, of a bathroom last; none where the house shows no other floor.
+    That of another such room first, of a bathroom last; none where photos show no bare floor.
     """
     floors = [key for key in sorted(entries) if key.kind == "floor"]
     bare = [
@@ -262,12 +264,12 @@ def _without_carpet(
         and entries[key].get("observed") is not False
         and entries[key].get("substance") != "carpet"
     ]
-    bare.sort(key=lambda key: (key.room_id in bathrooms) - (key.room_id in kitchens))
+    bare.sort(key=lambda key: (key.room_id in bathrooms) - (key.room_id in uncarpeted))
     return {
         key: bare[0]
         for key in floors
         if bare
-        and key.room_id in kitchens
+        and key.room_id in uncarpeted
         and key not in paints
         and entries[key].get("observed") is False
         and entries[key].get("substance") == "carpet"

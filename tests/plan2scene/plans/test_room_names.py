@@ -2,7 +2,7 @@
 
 import pytest
 
-from plan2scene.plans.room_names import is_garage, is_kitchen, room_types
+from plan2scene.plans.room_names import has_bare_floor, is_garage, room_types
 
 NAMES = {
     ("Bedroom",): "Master bedroom 2|Zimmer 2|Camera da letto|Slaapkamer|Makuuhuone 2|Sypialnia"
@@ -36,13 +36,14 @@ def test_a_garage_is_told_by_its_name(name, garage):
 
 
 @pytest.mark.parametrize(
-    ("name", "types", "kitchen"),
+    ("name", "types", "bare"),
     [
         ("Kök", ("Kitchen",), True),
         ("L'DRY", ("Unknown",), True),
+        ("Entry", ("Entrance",), True),
         ("Kitchen / Living", ("Kitchen", "Reception"), False),
         ("Study", ("Unknown",), False),
     ],
 )
-def test_a_room_for_kitchen_work_is_told_by_its_types_or_name(name, types, kitchen):
-    assert is_kitchen(types, name) is kitchen
+def test_rooms_without_a_carpet_are_told_by_types_or_name(name, types, bare):
+    assert has_bare_floor(types, name) is bare

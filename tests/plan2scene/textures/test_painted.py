@@ -396,7 +396,7 @@ def test_an_unseen_floor_of_a_kitchen_is_no_carpet(bare, tmp_path):
     entries |= {"bed/floor": {"substance": "carpet"}}
     entries |= {"a/floor": {"substance": "wood" if bare else "carpet"}}
     folder = textures_of(tmp_path / "t", names, **entries)
-    paint_textures(folder, tmp_path / "paint.parquet", tmp_path / "out", kitchens=["k"])
+    paint_textures(folder, tmp_path / "paint.parquet", tmp_path / "out", uncarpeted=["k"])
     found = read_json(tmp_path / "out" / "textures.json")["surfaces"]
     assert found["k/floor"]["substance"] == ("wood" if bare else "carpet")
     assert found["k/floor"]["evidence"]["like"] == (bare or "bed")
