@@ -530,7 +530,7 @@ def with_swung_windows(
 def _is_swung(
     opening: TracedOpening, thin: np.ndarray, wall_px: float, *, leaves: bool = False
 ) -> bool:
-    """Return whether an arc swings from an opening along x or y, as of :func:`_swings`."""
+    """Return whether an arc swings from an opening about along x or y, as of :func:`_swings`."""
     half = max(2, round(wall_px / 2))
     (x0, x1), (y0, y1) = (sorted(ends) for ends in zip(opening.start, opening.end, strict=True))
     turned = y1 - y0 > x1 - x0
@@ -541,7 +541,7 @@ def _is_swung(
         along = slice(max(0, round(low) + before), round(high) + after)
         rows, columns = (along, across) if turned else (across, along)
         gaps.append((rows, columns, turned, along.stop - along.start))
-    straight = min(x1 - x0, y1 - y0) <= 2
+    straight = min(x1 - x0, y1 - y0) <= SETTINGS.slanted * max(x1 - x0, y1 - y0)
     return straight and any(_swings(thin, gap, leaves=leaves) for gap in gaps)
 
 

@@ -109,6 +109,7 @@ class TraceSettings:
     arc_radii: tuple[float, ...] = (0.8, 0.86, 0.92, 0.98, 1.04)  #: shares of the gap
     arc_drawn: float = 0.85  #: share of an arc that is drawn
     arc_beside: float = 0.5  #: share of what is beside it that may be drawn
+    slanted: float = 0.35  #: slope of an opening of which swings along an axis are looked for
     swung: float = 0.8  #: confidence of a door whose swing is drawn
     #: From a wall to the end of an open leaf, and to what is behind: shares of the leaf's width.
     leaf_reach: tuple[float, float] = (0.03, 1.3)

@@ -202,6 +202,8 @@ def test_leaves_drawn_at_a_window_make_it_a_door(arcs, leaves, kind):
         return sorted(opening.kind for opening in found)
 
     assert kinds(()) == sorted(["door", "door", kind])
+    askew = TracedOpening("window", (180.0, 27.0), (225.0, 35.0), 1, 0, 0.9)  # its outline is
+    assert [o.kind for o in with_swung_windows([askew], page, regions.wall_px)] == [kind]
     assert kinds([1, 2]) == ["door", "door", "window"]  # no balcony is behind it
 
 
