@@ -14,7 +14,7 @@ import numpy as np
 from scipy import ndimage
 from shapely.geometry import Polygon
 
-from plan2scene_app.tracing.openings import Edge, TracedOpening, edges_of, joined
+from plan2scene_app.tracing.openings import Edge, TracedOpening, edge_of, edges_of, joined
 from plan2scene_app.tracing.picture import paper_share
 from plan2scene_app.tracing.settings import (
     DOOR,
@@ -336,15 +336,8 @@ def with_whole_windows(
     others = [np.array([opening.start, opening.end]) for opening in found]
     edges = edges_of(polygons)
     for window in long:
-        found += _whole_windows(window, _edge_of(window, edges), others, ink, wall_px, ppm)
+        found += _whole_windows(window, edge_of(window, edges), others, ink, wall_px, ppm)
     return joined(found, ppm)
-
-
-def _edge_of(opening: TracedOpening, edges: Sequence[Edge]) -> Edge:
-    """Return the edge of its room that an opening is on."""
-    middle = (np.array(opening.start) + opening.end) / 2
-    own = (edge for edge in edges if edge.room == opening.room)
-    return min(own, key=lambda edge: edge.distance(middle))
 
 
 def _across(edge: Edge, plane: np.ndarray, wall_px: float) -> np.ndarray:
@@ -423,7 +416,7 @@ def with_sliding_doors(
     for opening in openings:
         if opening not in kept or not _leads_out(opening, open_air):
             continue
-        edge = _edge_of(opening, edges)
+        edge = edge_of(opening, edges)
         middle = edge.place((np.array([opening.start]) + opening.end) / 2)[0][0]
         drawn, marked = (_across(edge, plane, wall_px) for plane in (ink, marks))
         gap = _sliding(drawn, marked, int(middle), ppm)

@@ -120,6 +120,13 @@ def edges_of(polygons: Mapping[int, Polygon]) -> list[Edge]:
     return edges
 
 
+def edge_of(opening: TracedOpening, edges: list[Edge]) -> Edge:
+    """Return the edge of its room that an opening is on."""
+    middle = (np.array(opening.start) + opening.end) / 2
+    own = (edge for edge in edges if edge.room == opening.room)
+    return min(own, key=lambda edge: edge.distance(middle))
+
+
 def _on_edge(
     edges: list[Edge],
     points: np.ndarray,

@@ -24,7 +24,7 @@ from plan2scene.plans.room_names import room_types
 from plan2scene_app.ids import free_id
 from plan2scene_app.plan_formats.measures import read_areas, read_length, read_sides
 from plan2scene_app.tracing.lettering import TextLine
-from plan2scene_app.tracing.openings import TracedOpening
+from plan2scene_app.tracing.openings import TracedOpening, edge_of, edges_of
 from plan2scene_app.tracing.regions import Regions
 from plan2scene_app.tracing.settings import LABEL_OF_TYPE, ROOM, SETTINGS
 
@@ -286,6 +286,24 @@ def without_inner_windows(
             opening = replace(opening, kind=kind, confidence=sure)
         kept.append(opening)
     return kept
+
+
+def without_rails(
+    openings: Sequence[TracedOpening], polygons: Mapping[int, Polygon], open_air: Set[int]
+) -> list[TracedOpening]:
+    """Return openings without the rails of terraces and balconies, drawn as long windows are.
+
+    `open_air` are the numbers of these rooms.
+    """
+    edges = edges_of(polygons)
+    return [
+        opening
+        for opening in openings
+        if opening.kind != "window"
+        or opening.other
+        or opening.room not in open_air
+        or opening.width < SETTINGS.rail * edge_of(opening, edges).length
+    ]
 
 
 def with_garage_doors(

@@ -185,6 +185,7 @@ class TraceSettings:
     least_passage: float = 0.5  #: m
     widest_door: float = 1.2  #: m: a wider gap between rooms is a passage
     garage_door: float = 2.0  #: m of the narrowest one
+    rail: float = 0.85  #: share of a terrace's side from which on a window is its rail
     terrace_door: float = 1.5  #: m of the narrowest window that is one
     # Text and scale.
     text_px: tuple[int, int] = (1300, 2000)  #: longer side that text is read at

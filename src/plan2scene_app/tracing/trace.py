@@ -79,6 +79,7 @@ from plan2scene_app.tracing.rooms import (
     with_terrace_doors,
     with_types_by_marks,
     without_inner_windows,
+    without_rails,
 )
 from plan2scene_app.tracing.scale import (
     RoomSize,
@@ -183,6 +184,7 @@ def trace_picture(
         openings = with_sliding_doors(openings, polygons, *drawn, regions.ppm, open_air)
     openings = without_inner_windows(openings, rooms, SETTINGS.widest_door / metres)
     openings = with_garage_doors(openings, garages, SETTINGS.garage_door / metres)
+    openings = without_rails(openings, polygons, open_air)
     openings = with_terrace_doors(openings, open_air, SETTINGS.terrace_door / metres)
     kept = tuple(o for o in openings if o.width * metres >= LEAST_WIDTH[o.kind])
     return TracedPlan(

@@ -5,6 +5,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
+from shapely.geometry import box
 
 from plan2scene_app.tracing.ink import (
     with_drawn_doors,
@@ -18,7 +19,12 @@ from plan2scene_app.tracing.ink import (
 from plan2scene_app.tracing.named_areas import without_counters
 from plan2scene_app.tracing.openings import TracedOpening, find_openings
 from plan2scene_app.tracing.regions import find_regions
-from plan2scene_app.tracing.rooms import room_polygons, with_garage_doors, with_terrace_doors
+from plan2scene_app.tracing.rooms import (
+    room_polygons,
+    with_garage_doors,
+    with_terrace_doors,
+    without_rails,
+)
 from plan2scene_app.tracing.settings import DOOR, OUTSIDE, PASSAGE, ROOM, WALL, WINDOW
 from plan2scene_app.tracing.thin_walls import with_thin_walls
 
@@ -264,8 +270,8 @@ def test_the_outline_of_an_island_is_no_wall_but_a_pillar_is():
     labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels()).astype(np.uint8)
     page = solid_page(labels)
     bare = labels.copy()
-    for box in ((slice(60, 90), slice(170, 172)), (slice(60, 90), slice(200, 202))):
-        labels[box], page[box] = WALL, 0  # thin lines
+    for side in ((slice(60, 90), slice(170, 172)), (slice(60, 90), slice(200, 202))):
+        labels[side], page[side] = WALL, 0  # thin lines
     labels[62:88, 172:200] = OUTSIDE  # what they enclose
     pillar = slice(60, 70), slice(80, 90)
     labels[pillar], page[pillar] = WALL, 0
@@ -288,6 +294,18 @@ def test_the_widest_window_to_a_terrace_without_a_door_is_one():
     ]
     door, *others = with_terrace_doors([wide, *kept], {2}, 60.0)
     assert door == replace(wide, kind="door", confidence=0.5) and others == kept
+
+
+def test_a_window_all_along_a_terrace_is_its_rail():
+    terrace, room = box(0, 0, 100, 50), box(0, 50, 100, 150)
+    rail = TracedOpening("window", (5.0, 0.0), (95.0, 0.0), 1, 0, 0.9)
+    kept = [
+        replace(rail, end=(80.0, 0.0)),  # walls are beside it
+        replace(rail, start=(5.0, 50.0), end=(95.0, 50.0), other=2),
+        replace(rail, start=(5.0, 150.0), end=(95.0, 150.0), room=2),
+        replace(rail, kind="door"),
+    ]
+    assert without_rails([rail, *kept], {1: terrace, 2: room}, {1}) == kept
 
 
 def test_a_wide_window_of_a_garage_to_the_outside_is_its_door():
