@@ -102,10 +102,10 @@ def is_hatch(portal: Portal, indoors: Collection[str]) -> bool:
 
 
 def is_glazed(portal: Portal, rooms: Mapping[str, Room]) -> bool:
-    """Return whether a door leads from one of the `rooms` lived in to a balcony or terrace.
+    """Return whether a door of one of the `rooms` is of glass.
 
-    One with two leaves to the outside is a patio door, too, also from such a terrace; a wider one
-    slides, unless it is a garage's.
+    It is from a room that is lived in to a balcony or terrace; to the outside with two leaves from
+    such a room or a terrace, and from any room but a garage where it is wider: it slides.
     """
     if portal.hole.opening.kind != "door":
         return False

@@ -454,12 +454,13 @@ def _sliding(
     `ink`, and `marks` of any colour, are as of :func:`_across`. The gap goes from wall to wall:
     panes are thinner.
     """
+    if not len(ink):
+        return None
     thick = np.array([_longest_run(row > SETTINGS.solid_ink) for row in ink])
     post = np.ones(max(1, round(SETTINGS.pier * ppm)))
     wall = thick >= SETTINGS.as_thick * thick.max()
-    wall = ndimage.binary_opening(np.pad(wall, len(post), mode="edge"), post)[
-        len(post) : -len(post)
-    ]
+    wall = ndimage.binary_opening(np.pad(wall, len(post), mode="edge"), post)
+    wall = wall[len(post) : -len(post)]
     before, after = np.flatnonzero(wall[:middle]), np.flatnonzero(wall[middle:])
     if not len(before) or not len(after) or after[0] == 0:
         return None
