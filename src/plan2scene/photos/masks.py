@@ -195,10 +195,11 @@ def _label_photo(
             folder / PROBABILITIES / f"{Path(name).stem}.png", labelled.probabilities
         )
     lines = [f"photo {name}: {line}" for line in _focal_warnings(camera, exif)]
-    kinds = labeller.kinds(image).tolist() if find_rooms and labeller.kinds else []
-    if kinds and not any(kinds) and np.isin(plain, (FLOOR, CEILING)).mean() > _OF_A_ROOM:
-        kinds = []  # a conservatory, not a garden
-    told = [round(p, 4) for p in kinds]
+    kinds = labeller.kinds(image) if find_rooms and labeller.kinds else np.zeros(0)
+    bare = np.isin(plain, (FLOOR, CEILING)).mean() <= _OF_A_ROOM  # else it may be a conservatory
+    if kinds.size and bare and labeller.outside and labeller.outside(image):
+        kinds = np.zeros_like(kinds)
+    told = [round(p, 4) for p in kinds.tolist()]
     looks = [colours_of(image)] if find_rooms else []
     looks += [labeller.look(image)] if find_rooms and labeller.look else []
     return _Shot(camera, segments, exif, told, find_points(image), reduced(image), looks), lines

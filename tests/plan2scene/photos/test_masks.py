@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -111,6 +112,20 @@ def test_what_only_tells_rooms_is_made_where_one_is_sought(tmp_path: Path) -> No
     assert told == [sought[0], {"source": "", "photos": {}}, []]
     assert sought[1]["source"] == "embedded"
     assert [pair[:2] for pair in sought[2]] == [["a.png", "b.png"]]
+
+
+def test_what_looks_taken_from_outside_shows_a_room_by_its_floor(tmp_path: Path) -> None:
+    (tmp_path / "labels").mkdir()
+    for name, labels in (("room", _labels(300, 400)), ("garden", np.zeros((300, 400), np.uint8))):
+        write_png(tmp_path / f"{name}.png", np.kron(_photo(), np.ones((5, 5, 1), np.uint8)))
+        masks.write_label_png(tmp_path / "labels" / f"{name}.png", labels)
+    photos = {name: tmp_path / name for name in ("room.png", "garden.png")}
+    kinds = np.eye(len(masks.KINDS))[0]
+    ready = labeller("precomputed", precomputed_dir=tmp_path / "labels", house_id="h")
+    ready = replace(ready, kinds=lambda image: kinds, outside=lambda image: True)
+    make_masks(photos, lambda: ready, tmp_path / "out", house_id="h")
+    found = read_json(tmp_path / "out" / "kinds.json")["photos"]
+    assert found == {"room.png": kinds.tolist(), "garden.png": [0.0] * len(masks.KINDS)}
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,6 @@ from plan2scene.photos.camera.calibration import DEFAULT_FOV_DEG, estimate_camer
 from plan2scene.photos.camera.exif import ExifFocal
 from plan2scene.photos.camera.lines import PhotoSegments
 from plan2scene.photos.labels.palette import (
-    KINDS,
     LABELS_AND_OPENINGS,
     labels_from_folder,
 )
@@ -46,9 +45,10 @@ class Labeller:
     #: Given pixels, labels 0 to 3 that the camera is estimated from; None where the labels do not
     #: depend on the camera.
     draft: Callable[[np.ndarray], np.ndarray] | None = None
-    #: Given pixels, how probable each of `palette.KINDS` is, (k,), all 0 where they look taken from
-    #: outside; None where nothing tells it.
+    #: Given pixels, how probable each of `palette.KINDS` is, (k,); None where nothing tells it.
     kinds: Callable[[np.ndarray], np.ndarray] | None = None
+    #: Given pixels, whether they look taken from outside; None where nothing tells it.
+    outside: Callable[[np.ndarray], bool] | None = None
     #: Given pixels, what photos of one room have in common, (f,) float32; None where nothing tells.
     look: Callable[[np.ndarray], np.ndarray] | None = None
 
@@ -127,12 +127,10 @@ def _by_things(other: Labeller) -> Labeller:
     things = ThingKinds(load_imagenet())
 
     def joined(image: np.ndarray) -> np.ndarray:
-        if things.outside(image):
-            return np.zeros(len(KINDS))
         odds = things.probabilities(image) * (1.0 if other.kinds is None else other.kinds(image))
         return np.asarray(odds / odds.sum())
 
-    return replace(other, kinds=joined, look=things.look)
+    return replace(other, kinds=joined, look=things.look, outside=things.outside)
 
 
 def _embedded(
