@@ -41,6 +41,7 @@ class RoomViewSettings:
     most_near: float = 0.08  #: it may fill this share of a picture
     least_facing: float = 0.1  #: cosine: what is seen at a flatter angle counts as at this one
     windows: float = 0.6  #: what all windows count, beside all of the floor and of the walls
+    wide_m: float = 1.25  #: wider doors to the outside, of a garage or patio, count as windows
     panes: tuple[float, ...] = (0.25, 0.75)  #: where along a window it is looked for
     least_pane: float = 0.25  #: cosine: a window that is seen at a flatter angle does not count
 
@@ -125,13 +126,18 @@ def _seen_area(camera: Camera, room_id: str, rays: Rays) -> tuple[tuple[float, f
 
 
 def _panes(house: House, room_id: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return points (n, 3) on the panes of a room's windows, and which way these face (n, 3)."""
+    """Return points (n, 3) on a room's windows and wide doors to the outside.
+
+    And which way these face, (n, 3).
+    """
     floor = house.level_of(room_id).elevation
+    outside = {room.id for room in house.rooms if room.open_air or room.id == room_id}
     points, normals = [], []
     for wall in house.walls:
         (x0, z0), (x1, z1) = wall.start, wall.end
         for opening in wall.openings if room_id in wall.room_ids else ():
-            if opening.kind == "window":
+            wide = opening.kind == "door" and opening.end - opening.start > SETTINGS.wide_m
+            if opening.kind == "window" or (wide and outside.issuperset(wall.room_ids)):
                 y = floor + 0.4 * opening.bottom + 0.6 * opening.top
                 ways = (opening.start + s * (opening.end - opening.start) for s in SETTINGS.panes)
                 points += [(x, y, z) for x, z in (point_along(wall, way) for way in ways)]

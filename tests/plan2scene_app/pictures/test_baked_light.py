@@ -171,11 +171,12 @@ def test_the_smaller_a_room_the_more_one_looks_at_its_floor(size, down):
     assert -camera.matrix[2][1] == pytest.approx(down, abs=0.02)
 
 
+@pytest.mark.parametrize("opening", ["window", "door"])
 @pytest.mark.parametrize("wall", range(4))
-def test_the_picture_of_a_room_shows_its_window(wall):
+def test_the_picture_of_a_room_shows_its_window_or_wide_door(wall, opening):
     outline = ((0.0, 0.0), (4.0, 0.0), (4.0, 3.5), (0.0, 3.5))
     room = Room("bed", ("Bedroom",), (outline,), 2.5)
-    openings = {wall: [Opening("pane", "window", 1.0, 2.2, 0.9, 2.1)]}
+    openings = {wall: [Opening("pane", opening, 0.9, 2.3, 0.9 * (opening == "window"), 2.1)]}
     house = House("h", (room,), walls_of(room, openings=openings), ())
     camera = camera_in(house, "bed", Rays.of(assemble(house).parts))
     (holed,) = (w for w in house.walls if w.openings)
@@ -183,6 +184,15 @@ def test_the_picture_of_a_room_shows_its_window(wall):
     right, down, ahead = camera.matrix @ (np.array([x, 1.5, z]) - camera.position)
     assert ahead > 0 and abs(right) * camera.focal_px < camera.cx * ahead
     assert abs(down) * camera.focal_px < camera.cy * ahead
+
+
+def test_windows_are_not_looked_at_from_beside_their_wall():
+    outline = ((0.0, 0.0), (9.0, 0.0), (9.0, 4.0), (0.0, 4.0))
+    room = Room("long", ("Reception",), (outline,), 2.5)
+    panes = [Opening(f"w{k}", "window", 6.3 + 0.6 * k, 6.8 + 0.6 * k, 0.9, 2.1) for k in range(4)]
+    house = House("h", (room,), walls_of(room, openings={0: panes}), ())
+    camera = camera_in(house, "long", Rays.of(assemble(house).parts))
+    assert camera.position[2] > 2.0  # they are at z = 0
 
 
 def drawn(house, textures, parts):
