@@ -143,12 +143,7 @@ def paint_textures(
         entries[key]["source"] = f"panelling, like {other.room_id}"
     for key, other in alike.items():
         tiles[key], paints[key] = tiles[other], paints[other]
-        use = (
-            "as the use of the room asks"
-            if key.room_id in uncarpeted
-            else "as in the other bathroom"
-        )
-        source = f"{use}, like {other.room_id}"
+        source = f"as the use of the room asks, like {other.room_id}"
         entries[key] = entries[other] | {"observed": False, "source": source}
     white_surfaces |= {key for key, other in alike.items() if other in white_surfaces}
     shown = {

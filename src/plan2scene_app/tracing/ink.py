@@ -366,7 +366,7 @@ def _whole_windows(
     """
     drawn = _across(edge, ink, wall_px)
     steps = np.arange(0.5, edge.length)
-    low, high = sorted(edge.place(np.array([window.start, window.end]))[0].tolist())
+    low, high = _span(window, edge)
     own = (steps > low) & (steps < high)
     if not own.any():
         return [window]
@@ -411,34 +411,34 @@ def with_sliding_doors(
     ink = ink_of(image)
     paper = np.median(image.reshape(-1, 3), axis=0)
     marks = np.abs(image - paper).max(axis=2) / 255
-    edges = edges_of(polygons)
+    edges, beside = edges_of(polygons), SETTINGS.slid_beside * ppm
     kept = list(openings)
     for opening in openings:
         if opening not in kept or not _leads_out(opening, open_air):
             continue
         edge = edge_of(opening, edges)
-        middle = edge.place((np.array([opening.start]) + opening.end) / 2)[0][0]
         drawn, marked = (_across(edge, plane, wall_px) for plane in (ink, marks))
-        gap = _sliding(drawn, marked, int(middle), ppm)
+        gap = _sliding(drawn, marked, int(np.mean(_span(opening, edge))), ppm)
         if gap is None:
             continue
-        spans = [(o, *np.sort(edge.place(np.array([o.start, o.end]))[0])) for o in kept]
-        beside = SETTINGS.slid_beside * ppm
-        reached = [
-            (o, low, high)
-            for o, low, high in spans
-            if low < gap[1] + beside and high > gap[0] - beside and _lies_on(o, edge, 2 * wall_px)
-        ]
-        inside = [o for o, _, _ in reached]
-        sure = any(o.kind == "door" and o.confidence >= SETTINGS.swung for o in inside)
-        if sure or not all(_leads_out(o, open_air) for o in inside):
+        low, high = gap[0] - beside, gap[1] + beside
+        spans = {o: _span(o, edge) for o in kept if _lies_on(o, edge, 2 * wall_px)}
+        reached = {o: span for o, span in spans.items() if span[0] < high and span[1] > low}
+        sure = any(o.kind == "door" and o.confidence >= SETTINGS.swung for o in reached)
+        if sure or not all(_leads_out(o, open_air) for o in reached):
             continue
-        panes = [(low, high) for o, low, high in reached if o.kind == "window"]
-        gap = min([gap, *panes])[0], max(high for _, high in [gap, *panes])
-        start, end = ((edge.start + along * edge.way).tolist() for along in gap)
+        panes = [gap, *(span for o, span in reached.items() if o.kind == "window")]
+        ends = min(panes)[0], max(last for _, last in panes)
+        start, end = ((edge.start + along * edge.way).tolist() for along in ends)
         door = replace(opening, kind="door", start=tuple(start), end=tuple(end), confidence=0.5)
-        kept = [o for o in kept if o not in inside] + [door]
+        kept = [o for o in kept if o not in reached] + [door]
     return kept
+
+
+def _span(opening: TracedOpening, edge: Edge) -> tuple[float, float]:
+    """Return where along an edge an opening begins and ends."""
+    first, last = sorted(edge.place(np.array([opening.start, opening.end]))[0].tolist())
+    return first, last
 
 
 def _leads_out(opening: TracedOpening, open_air: Set[int]) -> bool:

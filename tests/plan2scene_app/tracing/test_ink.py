@@ -254,6 +254,22 @@ def test_panes_beside_a_blank_are_a_sliding_door(blank, lines, kind):
     assert len(found) == len(openings)
 
 
+def test_windows_beside_sliding_panes_are_of_their_door():
+    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels()).astype(np.uint8)
+    labels[30:33, 162:237] = WALL
+    page = solid_page(labels)
+    page[30:33, 180:225] = 255
+    page[31, [*range(180, 193), *range(212, 225)]] = 0  # panes that slide
+    labels[30:33, 162:180] = labels[30:33, 225:237] = WINDOW
+    labels[30:33, 193:212] = PASSAGE
+    regions = find_regions(labels, PPM)
+    polygons = room_polygons(regions)
+    openings = find_openings(regions, polygons, as_probabilities(labels))
+    found = with_sliding_doors(openings, polygons, page, regions.wall_px, PPM, set())
+    (outer,) = [o for o in found if not o.other and o.start[1] < 40]
+    assert outer.kind == "door" and outer.width == pytest.approx(75, abs=3)
+
+
 def test_the_slanted_lines_of_a_bay_are_no_panes():
     labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels()).astype(np.uint8)
     page = solid_page(labels)
