@@ -24,7 +24,6 @@ from plan2scene.paint.shading import flatten, highlights
 from plan2scene.seeds import derive_seed
 from plan2scene.textures.exemplar.make import toned
 from plan2scene.textures.inputs import KnownSurface, TextureInputs
-from plan2scene.textures.methods import TextureMethod, method_named
 from plan2scene.textures.seams import make_seamless
 from plan2scene.textures.tiles import Tile
 
@@ -43,16 +42,20 @@ class StatisticsSettings:
 _S = StatisticsSettings()
 
 
-def decoded_tiles(inputs: TextureInputs, name: str) -> Mapping[SurfaceKey, Tile]:
-    """Return the tiles of method `name`; their noise derives from (seed, house, room, surface)."""
-    method, settings, made = method_named(name), inputs.settings, inputs.data.decoded
-    model = inputs.models[str(method.model)], settings.seed, settings.size_px
-    codes = [getattr(surface, str(method.embedding)).tobytes() for surface in inputs.surfaces]
+def decoded_tiles(inputs: TextureInputs, model: str, column: str) -> Mapping[SurfaceKey, Tile]:
+    """Return the tiles that weight file `model` decodes from a column of ``propagated.parquet``.
+
+    Their noise derives from (seed, house, room, surface).
+    """
+    settings, made = inputs.settings, inputs.data.decoded
+    known = inputs.models[model], settings.seed, settings.size_px
+    codes = [getattr(surface, column).tobytes() for surface in inputs.surfaces]
     known_as = [
-        (*model, surface.key, code) for surface, code in zip(inputs.surfaces, codes, strict=True)
+        (*known, surface.key, code) for surface, code in zip(inputs.surfaces, codes, strict=True)
     ]
     new = [k for k, key in enumerate(known_as) if key not in made]
-    images, periodic = _decoded(inputs, method, [inputs.surfaces[k] for k in new], [()] * len(new))
+    surfaces = [inputs.surfaces[k] for k in new]
+    images, periodic = _decoded(inputs, model, column, surfaces, [()] * len(new))
     made.update((known_as[k], (image, periodic)) for k, image in zip(new, images, strict=True))
     tiles = {}
     for surface, key in zip(inputs.surfaces, known_as, strict=True):
@@ -62,25 +65,34 @@ def decoded_tiles(inputs: TextureInputs, name: str) -> Mapping[SurfaceKey, Tile]
 
 
 def further_images(
-    inputs: TextureInputs, method: TextureMethod, keys: Sequence[SurfaceKey], count: int
+    inputs: TextureInputs,
+    model: str,
+    column: str,
+    keys: Sequence[SurfaceKey],
+    count: int,
+    *,
+    seamless: bool,
 ) -> list[np.ndarray]:
     """Return `count` more images (size, size, 3) uint8 of each surface, one surface's together.
 
     FID needs more images than its features have dimensions, and a test split has fewer surfaces
-    (the paper takes 24 seeds): these differ from the surface's tile in their noise only.
+    (the paper takes 24 seeds): these differ from the surface's tile (:func:`decoded_tiles`) in
+    their noise only. Where they are to be `seamless` the seams of a model that does not tile are
+    repaired.
     """
     known = {surface.key: surface for surface in inputs.surfaces}
     places = [(known[key], (k,)) for key in keys for k in range(1, count + 1)]
-    images, periodic = _decoded(inputs, method, [s for s, _ in places], [k for _, k in places])
-    correct = inputs.settings.seam_correction.get(method.name, method.seam_correction)
-    if correct and not periodic:
+    surfaces, numbers = [s for s, _ in places], [k for _, k in places]
+    images, periodic = _decoded(inputs, model, column, surfaces, numbers)
+    if seamless and not periodic:
         return [make_seamless(image)[0] for image in images]
     return list(images)
 
 
 def _decoded(
     inputs: TextureInputs,
-    method: TextureMethod,
+    name: str,
+    column: str,
     surfaces: Sequence[KnownSurface],
     numbers: Sequence[tuple[int, ...]],
 ) -> tuple[np.ndarray, bool]:
@@ -93,11 +105,11 @@ def _decoded(
     size, house_id = inputs.settings.size_px, inputs.data.files.house_id
     if not surfaces:
         return np.zeros((0, size, size, 3), np.uint8), True
-    model = load_texture_model(inputs.models[str(method.model)])
-    codes = np.stack([getattr(surface, str(method.embedding)) for surface in surfaces])
+    model = load_texture_model(inputs.models[name])
+    codes = np.stack([getattr(surface, column) for surface in surfaces])
     if codes.shape[1] != model.embedding_dim:
         raise InputError(
-            f"{method.embedding} of length {model.embedding_dim}, the model's",
+            f"{column} of length {model.embedding_dim}, the model's",
             str(codes.shape[1]),
             house=house_id,
         )

@@ -9,24 +9,27 @@ touched. Crops stay at their 128 px whatever `size_px` is: more pixels would add
 from __future__ import annotations
 
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from plan2scene.errors import InputError
 from plan2scene.house import SurfaceKey
 from plan2scene.images import write_png
-from plan2scene.io import atomic_directory
+from plan2scene.io import atomic_directory, write_json
 from plan2scene.textures.decoding import further_images
 from plan2scene.textures.inputs import (
     HouseData,
     HouseFiles,
+    KnownSurface,
     TextureInputs,
     TextureSettings,
     Visible,
 )
+from plan2scene.textures.maps import SurfaceMap
 from plan2scene.textures.methods import TextureMethod, method_named
-from plan2scene.textures.tiles import NoTile, Tile, write_tiles
+from plan2scene.textures.tiles import NoTile, Tile
 
 #: Files of maps, which the table does not compare.
 _MAPS = shutil.ignore_patterns("*.jpg", "maps.json")
@@ -73,6 +76,44 @@ def make_textures(
         tiles = {**tiles, **laid}
         whole = house_maps(house, tiles, materials, patterns, bands, seed=seed)
     write_tiles(out_dir, name, surfaces, tiles, whole)
+
+
+def write_tiles(
+    out_dir: str | Path,
+    method: str,
+    surfaces: Iterable[KnownSurface],
+    tiles: Mapping[SurfaceKey, Tile],
+    maps: Mapping[SurfaceKey, SurfaceMap] | None = None,
+) -> None:
+    """Write ``{room_id}_{surface}.png`` and ``textures.json`` (docs/conventions.md).
+
+    With `maps` also ``{room_id}_{surface}.jpg`` and ``maps.json``.
+    """
+    entries = {}
+    with atomic_directory(out_dir) as folder:
+        for surface in surfaces:
+            key, tile = surface.key, tiles[surface.key]
+            write_png(folder / f"{key.filename}.png", tile.image)
+            entry: dict[str, Any] = {
+                "size_m": tile.size_m,
+                "observed": surface.observed,
+                "substance": surface.substance,
+                "seam_corrected": tile.seam_corrected,
+                "source": tile.source,
+            }
+            if surface.material:
+                entry["material"] = surface.material
+            if tile.crops:
+                entry["crops"] = list(tile.crops)
+            if any(tile.origin_m):
+                entry["origin_m"] = list(tile.origin_m)
+            entries[f"{key.room_id}/{key.surface}"] = entry
+        write_json(folder / "textures.json", {"method": method, "surfaces": entries})
+        if maps is not None:
+            for key, whole in maps.items():
+                (folder / f"{key.filename}.jpg").write_bytes(whole.jpeg)
+            facts = {"/".join(key): whole.facts() for key, whole in maps.items()}
+            write_json(folder / "maps.json", {"surfaces": facts})
 
 
 def house_tiles(name: str, inputs: TextureInputs) -> dict[SurfaceKey, Tile]:
@@ -140,7 +181,10 @@ def _write_more(folder: Path, method: str, inputs: TextureInputs, count: int) ->
     crops = inputs.data.crops
     seen = set(zip(crops["room_id"], crops["surface"], strict=True))
     keys = [surface.key for surface in inputs.surfaces if tuple(surface.key) in seen]
-    images = iter(further_images(inputs, method_named(method), keys, count))
+    drawn = method_named(method)
+    correct = inputs.settings.seam_correction.get(method, drawn.seam_correction)
+    codes = str(drawn.model), str(drawn.embedding)
+    images = iter(further_images(inputs, *codes, keys, count, seamless=correct))
     for key in keys:
         for number in range(1, count + 1):
             write_png(folder / str(number) / f"{key.filename}.png", next(images))

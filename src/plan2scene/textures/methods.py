@@ -78,16 +78,16 @@ def _retrieve(inputs: TextureInputs) -> Mapping[SurfaceKey, Tile]:
     return retrieved_tiles(inputs)
 
 
-def _decoded(inputs: TextureInputs, name: str) -> Mapping[SurfaceKey, Tile]:
+def _decoded(inputs: TextureInputs, model: str, column: str) -> Mapping[SurfaceKey, Tile]:
     from plan2scene.textures.decoding import decoded_tiles
 
-    return decoded_tiles(inputs, name)
+    return decoded_tiles(inputs, model, column)
 
 
 def _synth_large(inputs: TextureInputs) -> Mapping[SurfaceKey, Tile]:
     from plan2scene.textures.decoding import constrained_tiles
 
-    return constrained_tiles(inputs, _decoded(inputs, "synth"))
+    return constrained_tiles(inputs, _decoded(inputs, "texture", "embedding"))
 
 
 def _exemplar(inputs: TextureInputs) -> Mapping[SurfaceKey, Tile | NoTile]:
@@ -128,7 +128,7 @@ NAIVESYNTH = TextureMethod(
     "naivesynth",
     "decoded from the mean code of its crops by the unmodified model",
     "decoded from the mean of its room type",
-    partial(_decoded, name="naivesynth"),
+    partial(_decoded, model="naivesynth", column="naive_embedding"),
     model="naivesynth",
     embedding="naive_embedding",
     seam_correction=True,
@@ -138,7 +138,7 @@ SYNTH = TextureMethod(
     "synth",
     "decoded from the code of its best crop (the paper's)",
     "decoded from the propagated embedding",
-    partial(_decoded, name="synth"),
+    partial(_decoded, model="texture", column="embedding"),
     model="texture",
     embedding="embedding",
     seam_correction=True,

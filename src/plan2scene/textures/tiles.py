@@ -1,23 +1,16 @@
-"""Tiles of a house's surfaces, and the folder that they are written to."""
+"""Tiles of a house's surfaces."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plan2scene.house import SurfaceKey
-from plan2scene.images import write_png
-from plan2scene.io import atomic_directory, write_json
 from plan2scene.textures.seams import make_seamless, with_calm_border
 
 if TYPE_CHECKING:
     from plan2scene.textures.exemplar.make import Pattern
-    from plan2scene.textures.inputs import KnownSurface
-    from plan2scene.textures.maps import SurfaceMap
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,41 +47,3 @@ class NoTile:
     """Why a method has no tile of a surface."""
 
     reason: str
-
-
-def write_tiles(
-    out_dir: str | Path,
-    method: str,
-    surfaces: Iterable[KnownSurface],
-    tiles: Mapping[SurfaceKey, Tile],
-    maps: Mapping[SurfaceKey, SurfaceMap] | None = None,
-) -> None:
-    """Write ``{room_id}_{surface}.png`` and ``textures.json`` (docs/conventions.md).
-
-    With `maps` also ``{room_id}_{surface}.jpg`` and ``maps.json``.
-    """
-    entries = {}
-    with atomic_directory(out_dir) as folder:
-        for surface in surfaces:
-            key, tile = surface.key, tiles[surface.key]
-            write_png(folder / f"{key.filename}.png", tile.image)
-            entry: dict[str, Any] = {
-                "size_m": tile.size_m,
-                "observed": surface.observed,
-                "substance": surface.substance,
-                "seam_corrected": tile.seam_corrected,
-                "source": tile.source,
-            }
-            if surface.material:
-                entry["material"] = surface.material
-            if tile.crops:
-                entry["crops"] = list(tile.crops)
-            if any(tile.origin_m):
-                entry["origin_m"] = list(tile.origin_m)
-            entries[f"{key.room_id}/{key.surface}"] = entry
-        write_json(folder / "textures.json", {"method": method, "surfaces": entries})
-        if maps is not None:
-            for key, whole in maps.items():
-                (folder / f"{key.filename}.jpg").write_bytes(whole.jpeg)
-            facts = {"/".join(key): whole.facts() for key, whole in maps.items()}
-            write_json(folder / "maps.json", {"surfaces": facts})

@@ -13,10 +13,11 @@ from plan2scene.mesh.texture_files import load_textures
 from plan2scene.paint.shading import log_luma
 from plan2scene.textures.exemplar.lattice import find_lattice
 from plan2scene.textures.exemplar.make import ExemplarCrop, make_exemplar
+from plan2scene.textures.house_textures import write_tiles
 from plan2scene.textures.laying import LaidPattern
 from plan2scene.textures.maps import Bands, cut_patches, detail_of_pattern, house_maps
 from plan2scene.textures.quilting import quilted
-from plan2scene.textures.tiles import Tile, write_tiles
+from plan2scene.textures.tiles import Tile
 
 SIDE = 128
 
