@@ -52,7 +52,7 @@ from plan2scene.photos.matches import (
 from plan2scene.photos.photo_files import read_photo
 
 _log = logging.getLogger("plan2scene")
-#: Share of floor and ceiling from which on a photo that looks taken from outside shows a room.
+#: A photo that looks taken from outside still shows a room above this share of floor and ceiling.
 _OF_A_ROOM = 0.1
 
 
@@ -71,17 +71,17 @@ def make_masks(
 
     A photo that is missing, damaged or tiny, has an unsafe name, or lacks its precomputed mask
     becomes a warning and is left out. A focal length in EXIF data that is not used becomes a
-    warning, too. `label` returns what labels the photos; it is not called for a house without any.
+    warning, too. `label` makes the labeller; it is not called for a house without photos.
     `out_dir` is replaced as a whole: ``{stem}.png`` labels at the size that `read_photo` gives,
-    ``probabilities/{stem}.png`` where the source tells them, ``cameras.json``,
+    ``probabilities/{stem}.png`` where the source of labels gives them, ``cameras.json``,
     ``segments.parquet``, ``kinds.json``, ``turns.json``, ``spots.json``,
     ``likeness.json``, ``warnings.json`` (``docs/conventions.md``).
 
-    `fov_deg` is the horizontal field of view in degrees where neither EXIF data nor vanishing
-    points give one, nor those of the other photos; `known_fov_deg` that of all photos along their
-    longer side, which goes before EXIF data. `find_rooms` names what tells what rooms are used for
-    (``photos.kinds``); without it rooms are not found; ``kinds.json`` and ``likeness.json`` are
-    empty. `threads` photos are worked on at a time; the result does not depend on it.
+    `fov_deg` is the horizontal field of view in degrees that a photo gets when neither its EXIF
+    data, nor its vanishing points, nor the other photos give one. `known_fov_deg` is the field of
+    view of all photos along their longer side; it replaces all of these. `find_rooms` names the
+    method that finds the use of rooms (``photos.kinds``); with None, ``kinds.json`` and
+    ``likeness.json`` are empty. The result does not depend on the number of `threads`.
     """
     _refuse_equal_stems(photos, house_id)
     with atomic_directory(out_dir) as folder:
@@ -122,19 +122,19 @@ def make_masks(
 
 @dataclass(frozen=True)
 class _Shot:
-    """What is known of a labelled photo."""
+    """What the stage finds out about one labelled photo."""
 
     camera: Camera
     segments: PhotoSegments
     exif: ExifFocal
-    kinds: list[float]  #: how probable each of `palette.KINDS` is; none where nothing tells it
-    points: Points  #: that tell with which other photos it shares its spot or what it sees
-    grey: np.ndarray  #: of `watermark.reduced`
-    looks: list[np.ndarray]  #: vectors that tell which photos are of one room; none where not asked
+    kinds: list[float]  #: probability of each of `palette.KINDS`; empty without a classifier
+    points: Points  #: to find photos from the same spot and photos that see the same things
+    grey: np.ndarray  #: reduced grey copy, from `watermark.reduced`
+    looks: list[np.ndarray]  #: vectors for :func:`likeness`; empty when rooms are not searched
 
 
 def _leave_out_marks(shots: Mapping[str, _Shot], folder: Path) -> None:
-    """Label what is printed over the photos as other: it is on no floor or wall."""
+    """Label watermarks that are printed over the photos as other."""
     marks = watermarks({name: shot.grey for name, shot in shots.items()})
     for name, mark in marks.items():
         path = folder / f"{Path(name).stem}.png"
@@ -147,7 +147,7 @@ def _leave_out_marks(shots: Mapping[str, _Shot], folder: Path) -> None:
 
 
 def _cameras(shots: Mapping[str, _Shot], folder: Path, fov_deg: float) -> dict[str, Camera]:
-    """Return the photos' cameras: of those that do not tell it, by the others' lens."""
+    """Return the photos' cameras; a photo with an unsure focal length takes the others' lens."""
 
     def refit(name: str, told: ExifFocal) -> Camera:
         shot = shots[name]
@@ -155,7 +155,7 @@ def _cameras(shots: Mapping[str, _Shot], folder: Path, fov_deg: float) -> dict[s
             return shot.camera
         size = (shot.camera.height, shot.camera.width, 3)
         labels = read_label_png(folder / f"{Path(name).stem}.png")
-        nothing = np.broadcast_to(np.uint8(0), size)  # the segments are known
+        nothing = np.broadcast_to(np.uint8(0), size)  # no pixels needed: the segments are known
         return estimate_camera(nothing, labels, fov_deg=fov_deg, exif=told, segments=shot.segments)
 
     cameras = {name: shot.camera for name, shot in shots.items()}
@@ -174,14 +174,14 @@ def _label_photo(
     known_fov_deg: float | None,
     find_rooms: bool,
 ) -> tuple[_Shot | None, list[str]]:
-    """Write a photo's label PNG; return what is known of it (None: left out), and warnings."""
+    """Write a photo's label PNG; return its `_Shot` (None if it is left out) and warnings."""
     try:
         safe_join("", name, house_id=house_id)
         image = read_photo(path, house_id=house_id)
         exif = read_exif_focal(path, (image.shape[0], image.shape[1]))
         if known_fov_deg is not None:
             focal = focal_of(np.radians(known_fov_deg), max(image.shape[:2]))
-            exif = ExifFocal(focal, model=exif.model)
+            exif = ExifFocal(focal, model=exif.model, told=True)
         segments = find_segments(image)
         labelled = labeller.labelled(name, image, fov_deg=fov_deg, exif=exif, segments=segments)
     except InputError as error:
@@ -206,7 +206,7 @@ def _label_photo(
 
 
 def _focal_warnings(camera: Camera, exif: ExifFocal) -> list[str]:
-    """Return why a focal length of EXIF data was not used, as lines; none where it was."""
+    """Return why the focal length of EXIF data was not used; empty if it was used or is absent."""
     if exif.warning:
         return [exif.warning]
     if exif.focal_px is None or camera.focal_source == "exif":

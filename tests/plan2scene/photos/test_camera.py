@@ -98,6 +98,8 @@ def test_exif_goes_before_vanishing_points_unless_they_contradict_it():
     far = estimate_camera(image, exif=ExifFocal(1.5 * focal))
     assert far.focal_source == "vanishing_points"
     assert abs(far.focal_px / focal - 1) < 0.02
+    told = estimate_camera(image, exif=ExifFocal(1.5 * focal, told=True))
+    assert told.focal_px == pytest.approx(1.5 * focal, abs=1e-3)
     cropped = estimate_camera(image, exif=ExifFocal(1.08 * focal, cropped=True))
     assert cropped.focal_source == "vanishing_points"
     assert abs(cropped.focal_px / focal - 1) < 0.02

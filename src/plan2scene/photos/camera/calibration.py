@@ -1,4 +1,4 @@
-"""Focal length and rotation of a photo from its lines, EXIF data and labels."""
+"""Focal length and rotation of a photo, estimated from its lines, EXIF data and labels."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from plan2scene.photos.camera.lines import (
 )
 from plan2scene.photos.camera.manhattan import Manhattan, fit_manhattan, refine_rotation
 
-#: Horizontal field of view of photos that show nothing that gives it, degrees: that of the paper's
-#: reference.
+#: Horizontal field of view, degrees, of a photo for which nothing else gives one: the value of the
+#: paper's reference.
 DEFAULT_FOV_DEG = 60.0
 
 
@@ -32,14 +32,15 @@ def estimate_camera(
 ) -> Camera:
     """Return focal length and rotation of a photo of a room (paper section 4, made metric).
 
-    `image` is (h, w, 3) uint8 sRGB. Segments on surfaces of the `labels` (h, w) uint8 and on their
-    borders count more than those on furniture. `fov_deg` is the horizontal field of view to start
-    from and to fall back to, degrees. `segments` are found here (`lines.find_segments`) when not
-    given.
+    `image` is (h, w, 3) uint8 sRGB. `labels` are (h, w) uint8: segments on walls, on ceilings and
+    on borders between surfaces count more than those on floors and furniture. `fov_deg` is the
+    horizontal field of view to start from and to fall back to, degrees. `segments` are found here
+    (`lines.find_segments`) when not given.
 
-    The focal length is that of `exif`, else of vanishing points, else of `fov_deg`. EXIF data give
-    way to vanishing points of high confidence that differ by more than `CAMERA.exif_tolerance`;
-    those of a cropped photo only stand in for `fov_deg`.
+    The focal length is that of `exif`, else of vanishing points, else of `fov_deg`. Vanishing
+    points of high confidence replace EXIF data that differ by more than `CAMERA.exif_tolerance`,
+    but not a focal length that the user has `told`.
+    The EXIF data of a cropped photo only replace `fov_deg`.
     """
     height, width = image.shape[:2]
     lines = find_segments(image) if segments is None else segments
@@ -50,7 +51,8 @@ def estimate_camera(
     frame = fit_manhattan(weighted, columns, prior)
     pose = _decide(frame, weighted, prior, known is not None)
     if frame is not None and known is not None and exif is not None and not exif.cropped:
-        pose = _with_exif(pose, fit_manhattan(weighted, columns, known, fixed=True), known)
+        held = fit_manhattan(weighted, columns, known, fixed=True)
+        pose = _with_exif(pose, held, known, told=exif.told)
     return Camera(
         width=width,
         height=height,
@@ -66,7 +68,7 @@ def estimate_camera(
 
 @dataclass(frozen=True)
 class _Pose:
-    """What was decided about a photo, in working pixels."""
+    """The chosen rotation and focal length of a photo, in pixels of the reduced photo."""
 
     axes: np.ndarray
     focal: float
@@ -87,11 +89,11 @@ def _decide(frame: Manhattan | None, segments: Segments, prior: float, is_exif: 
     return _Pose(axes, prior, prior_source, CAMERA.given_certainty * confidence, False)
 
 
-def _with_exif(pose: _Pose, frame: Manhattan | None, focal: float) -> _Pose:
-    """Return the frame fitted with EXIF's focal length unless vanishing points contradict it."""
+def _with_exif(pose: _Pose, frame: Manhattan | None, focal: float, *, told: bool) -> _Pose:
+    """Return the pose with EXIF's focal length, unless it is not `told` and lines contradict it."""
     ratio = max(pose.focal / focal, focal / pose.focal)
     clear = pose.source == "vanishing_points" and pose.confidence >= CAMERA.high_confidence
-    if clear and ratio > CAMERA.exif_tolerance:
+    if clear and ratio > CAMERA.exif_tolerance and not told:
         return pose
     if frame is None or not _believed(frame):
         return replace(pose, focal=focal, source="exif")
@@ -100,7 +102,7 @@ def _with_exif(pose: _Pose, frame: Manhattan | None, focal: float) -> _Pose:
 
 
 def _support(frame: Manhattan) -> float:
-    """Return 0..1: how much of a photo's lines follow the frame, 1 from `CAMERA.full_share` on."""
+    """Return the support of a frame in a photo's lines, 0..1, 1 from `CAMERA.full_share` on."""
     return min(1.0, frame.share / CAMERA.full_share)
 
 
@@ -112,7 +114,7 @@ def _believed(frame: Manhattan) -> bool:
 
 
 def canonical(axes: np.ndarray) -> np.ndarray:
-    """Return world-to-camera `axes` turned by a multiple of 90 degrees so that z looks ahead.
+    """Return world-to-camera `axes` with x and z turned by quarter turns so that z looks ahead.
 
     The result is a proper rotation whose y column points up in the image and whose z column is
     the horizontal direction nearest to the view direction.

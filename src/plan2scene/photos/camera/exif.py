@@ -1,9 +1,9 @@
 """Focal length of a photo from its EXIF data.
 
-The 35 mm equivalent is by the diagonal (CIPA DCG-001): ``focal_px = f35 / 43.27 mm * diagonal``,
-so neither the orientation nor a plain reduction of the photo changes it. Cropping does, and
-nothing in EXIF records a crop by an editor, except that the pixel dimensions noted by the camera
-may have another aspect than the photo has now.
+The 35 mm equivalent is defined by the diagonal (CIPA DCG-001): ``focal_px = f35 / 43.27 mm *
+diagonal``. This holds for every orientation and after a plain reduction of the photo, but not after
+cropping. EXIF data do not record a crop by an editor. The only sign of it is that the pixel
+dimensions noted by the camera may have another aspect ratio than the photo has now.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 Tag = ExifTags.Base
 _log = logging.getLogger("plan2scene")
-#: Formats of cameras whose EXIF block Pillow finds without decoding pixels.
+#: Photo formats whose EXIF block Pillow finds without decoding pixels.
 FORMATS = ("JPEG", "MPO", "WEBP", "HEIF")
 FRAME_DIAGONAL_MM = 43.2666  #: Diagonal of a 36 x 24 mm frame
 FOV_RANGE_DEG = (30.0, 120.0)  #: Horizontal fields of view that are accepted, degrees
@@ -38,20 +38,23 @@ UNIT_MM = {2: 25.4, 3: 10.0, 4: 1.0}
 class ExifFocal:
     """What a photo's EXIF data say about its focal length."""
 
-    #: Focal length in pixels of the photo as it is, None when it is unknown or absurd.
+    #: Focal length in pixels of the photo at its present size, None when it is unknown or absurd.
     focal_px: float | None = None
     #: The photo's aspect is not the one that the camera noted: `focal_px` may be wrong.
     cropped: bool = False
-    warning: str = ""  #: why a focal length that was there is not used; empty otherwise
-    model: str = ""  #: the camera's model; empty when it is not told
+    warning: str = ""  #: why a given focal length is not used; empty otherwise
+    model: str = ""  #: the camera's model; empty when unknown
+    #: The user gave the focal length: vanishing points do not overrule it.
+    told: bool = False
 
 
 def read_exif_focal(path: str | os.PathLike[str], size: tuple[int, int]) -> ExifFocal:
     """Return the focal length that the EXIF data of a photo file give; pixels are not decoded.
 
-    `size` is height and width in pixels, orientation applied or not. Never raises: what has no
-    readable EXIF data has none. ``FocalLengthIn35mmFilm`` goes before ``FocalLength`` with
-    ``FocalPlaneXResolution``; a field of view outside `FOV_RANGE_DEG` is refused with a warning.
+    `size` is height and width in pixels, orientation applied or not. Never raises: a file without
+    readable EXIF data gives no focal length. ``FocalLengthIn35mmFilm`` is used if present, else
+    ``FocalLength`` with ``FocalPlaneXResolution``. A field of view (along the given width) outside
+    `FOV_RANGE_DEG` is refused with a warning.
     """
     tags = _tags(path)
     height, width = size
@@ -93,7 +96,7 @@ def _exif_block(image: Image.Image) -> dict[int, Any]:
 
 
 def _number(value: Any) -> float:
-    """Return a tag as a finite positive float, 0 when it is none."""
+    """Return the value of a tag as a positive float; 0 when it is not a finite positive number."""
     try:
         number = float(value)
     except (TypeError, ValueError, ZeroDivisionError, OverflowError):
@@ -104,8 +107,8 @@ def _number(value: Any) -> float:
 def _focal_of_sensor(tags: dict[int, Any], noted: list[float], size: tuple[int, int]) -> float:
     """Return the focal length in pixels from the sensor's pixel pitch, 0 when unknown.
 
-    The pitch is that of the camera's own pixels, so their noted number must be there to tell a
-    reduced photo.
+    The pitch refers to the pixels of the original photo. The photo may be reduced since, so the
+    pixel dimensions noted by the camera are needed as well.
     """
     unit = UNIT_MM.get(tags.get(Tag.FocalPlaneResolutionUnit, 2))
     focal, density = (_number(tags.get(t)) for t in (Tag.FocalLength, Tag.FocalPlaneXResolution))
@@ -115,7 +118,7 @@ def _focal_of_sensor(tags: dict[int, Any], noted: list[float], size: tuple[int, 
 
 
 def _is_cropped(noted: list[float], size: tuple[int, int]) -> bool:
-    """Tell whether the photo's aspect differs from the noted one, either way up."""
+    """Tell whether the photo's aspect ratio differs from the noted one, in either orientation."""
     if min(noted) <= 0 or min(size) <= 0:
         return False
     before, now = max(noted) / min(noted), max(size) / min(size)
