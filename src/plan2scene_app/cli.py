@@ -1,4 +1,4 @@
-"""The command line: thin, over the same library and workflow (``plan2scene --help``)."""
+"""The command line (``plan2scene --help``): a thin layer over the library and the workflow."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_
 
 
 class Colours(StrEnum):
-    """The colours of a house's surfaces."""
+    """Colours of a house's surfaces: as paint without light, or as the photos show them."""
 
     PAINT = "paint"
     PHOTO = "photo"
 
 
 class Walls(StrEnum):
-    """Which walls of a house share a texture."""
+    """Which walls of a house share a texture: all of a room, or accent walls have their own."""
 
     ROOM = "room"
     WALL = "wall"
@@ -48,7 +48,7 @@ _Scale = Annotated[float | None, typer.Option(min=1e-6, help="Metres of a pixel 
 
 
 def _house_id(plan: Path, chosen: str | None) -> str:
-    """Return the house id: the one given, else made of the plan's file name."""
+    """Return the chosen house id, or one made from the plan's file name."""
     from plan2scene_app.ids import fit_id
 
     name = chosen or fit_id(_house_name(plan), "house")
@@ -58,19 +58,19 @@ def _house_id(plan: Path, chosen: str | None) -> str:
 
 
 def _house_name(plan: Path) -> str:
-    """Return what a plan's file name calls the house."""
+    """Return the house's name, taken from the plan's file name."""
     return plan.name.split(".")[0].encode("utf-8", "replace").decode()[:100]
 
 
 def _layers(pairs: list[str] | None) -> dict[str, str]:
-    """Return the patterns of DXF layers by kind."""
+    """Parse options of the form KIND=PATTERN; return the patterns of DXF layers by kind."""
     from plan2scene_app.plan_formats.dxf import layers_of
 
     return layers_of(pairs or ())
 
 
 def _known_method(name: str) -> str:
-    """Return the name of a registered texture method; refuse another one."""
+    """Return `name` if it is a registered texture method; raise BadParameter otherwise."""
     if name not in texture_methods():
         raise typer.BadParameter(f"{name!r} is not one of {', '.join(texture_methods())}")
     return name
@@ -121,7 +121,7 @@ def run_house(
     seed: Annotated[int, typer.Option(min=0)] = 0,
     colours: Annotated[
         Colours,
-        typer.Option(help="Paint without light, as photos show it, or under one light."),
+        typer.Option(help="Paint without light, or as photos show it."),
     ] = Colours.PAINT,
     fov: Annotated[
         float | None,
@@ -169,7 +169,7 @@ def check(
     metres_per_pixel: _Scale = None,
     dxf_layer: _Layers = None,
 ) -> None:
-    """Tell what would go wrong, before anything runs."""
+    """Report the problems of a data set or a plan; nothing is run."""
     from plan2scene_app.check import check_dataset, check_plan
 
     layers = _layers(dxf_layer)
@@ -224,7 +224,7 @@ def edit_plan(
     house: _HouseId = None,
     trace: Annotated[bool, typer.Option(help="Trace a picture, to mend what is read.")] = True,
 ) -> None:
-    """Write a page that draws a plan, offline: open it in a browser."""
+    """Write an offline page in which a plan is drawn or edited: open it in a browser."""
     from plan2scene_app.editor.editor_page import write_editor
 
     _keep_inputs(out, [source] if source else [])
@@ -249,7 +249,7 @@ def trace_plan(
     ] = None,
     model: Annotated[Path | None, typer.Option(help="Other weights of the plan network.")] = None,
 ) -> None:
-    """Read a plan from its picture; say what is doubtful, to be mended in the editor."""
+    """Read a plan from a picture; list what is uncertain, to be corrected in the editor."""
     from plan2scene_app.tracing.trace import traced_files, write_trace
 
     for path in traced_files(out):
@@ -298,7 +298,7 @@ def export(
 
 
 def _holds_labels(path: Path) -> bool:
-    """Return whether a file is a grey image of labels (0 to 5), as ``plan2scene masks`` writes."""
+    """Return whether a file is a grey image of labels 0 to 5, as ``plan2scene masks`` writes it."""
     import numpy as np
 
     from plan2scene.images import decode_image
@@ -426,7 +426,7 @@ def convert(
 
 
 def _keep_inputs(output: Path, inputs: Iterable[Path]) -> None:
-    """Raise InputError where an output would overwrite one of the inputs, or is a folder."""
+    """Raise InputError if an output is a folder or would overwrite one of the inputs."""
     if output.is_dir():
         raise InputError("a file to write", "a folder", file=output)
     for path in inputs:
@@ -435,7 +435,7 @@ def _keep_inputs(output: Path, inputs: Iterable[Path]) -> None:
 
 
 def _new_file(output: Path, inputs: Iterable[Path] = ()) -> None:
-    """Raise InputError where a command would write over a file that is there, or into a folder."""
+    """Raise InputError if an output exists already, is a folder, or is one of the inputs."""
     _keep_inputs(output, inputs)
     if output.exists():
         found = "one that is there: remove it, or name another"
@@ -443,7 +443,7 @@ def _new_file(output: Path, inputs: Iterable[Path] = ()) -> None:
 
 
 def main() -> None:
-    """Entry point: a fault of the input is one line on stderr and exit code 1."""
+    """Run the command line; print an input or workflow error as one line and exit with code 1."""
     logging.basicConfig(level=logging.WARNING, format="%(levelname)s %(message)s")
     try:
         with one_line_errors():

@@ -1,4 +1,4 @@
-"""A plan on disk, and what a format of plans is."""
+"""A plan on disk (:class:`PlanFile`), and the functions of a plan format (:class:`PlanFormat`)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from plan2scene.house import House
 from plan2scene.io import read_text
 from plan2scene.plans.parse import parse_json
 
-#: How files that are no text begin, and what they are.
+#: First bytes of files that are not text, and what such a file is.
 _SIGNATURES = (
     (b"PK\x03\x04", "a ZIP archive"),
     (b"PK\x05\x06", "an empty ZIP archive"),
@@ -64,7 +64,7 @@ class PlanFile:
 
     @cached_property
     def binary(self) -> str:
-        """What kind of file this is when it begins like one that is no text; else empty."""
+        """The kind of a file that is not text, by its first bytes; empty for text."""
         if self.head[4:8] == b"ftyp":
             return "a HEIC picture"
         kind = next((name for start, name in _SIGNATURES if self.head.startswith(start)), "")
@@ -74,12 +74,12 @@ class PlanFile:
 
     @property
     def is_picture(self) -> bool:
-        """Whether it is a picture or a PDF, of which a plan has to be traced."""
+        """Whether it is a picture or a PDF, from which a plan has to be traced."""
         return self.binary.endswith("picture") or self.binary == "a PDF"
 
     @cached_property
     def text(self) -> str:
-        """The file as UTF-8 text; empty for a :attr:`binary` one, and for a DXF of another code."""
+        """The UTF-8 text; empty for a :attr:`binary` file, and for a DXF in another encoding."""
         try:
             return "" if self.binary else read_text(self.path)
         except InputError as error:
@@ -89,11 +89,12 @@ class PlanFile:
 
     @cached_property
     def document(self) -> Any:
-        """The parsed JSON; None where the text is none (a syntax error is an InputError)."""
+        """The parsed JSON; None if the text is no JSON (a syntax error is an InputError)."""
         if not self.text.lstrip().startswith(("{", "[")):
             return None
-        if len(self.text) > MAX_JSON_BYTES:
-            raise self.fault(f"at most {MAX_JSON_BYTES} bytes of JSON", str(len(self.text)))
+        size = len(self.text.encode())
+        if size > MAX_JSON_BYTES:
+            raise self.fault(f"at most {MAX_JSON_BYTES} bytes of JSON", str(size))
         return parse_json(self.text, self.path, self.house_id)
 
     def fault(self, expected: str, found: str) -> InputError:
@@ -103,7 +104,7 @@ class PlanFile:
 
 @dataclass(frozen=True)
 class Unscaled:
-    """What is known of a drawing before its scale is."""
+    """What is known about a drawing whose scale is not known."""
 
     unit: str  #: pixel or unit
     size: tuple[float, float] | None = None  #: width and depth of what is drawn, in its unit
@@ -114,13 +115,13 @@ class Unscaled:
 class PlanFormat:
     """A format of plans.
 
-    `sniff` decides by its content whether a file is of this format; the first that accepts it reads
-    it: `read` gives the house, or InputError for a fault that can't be repaired. Formats that are
-    a `fallback` are asked after all others. A format that `needs_scale` is drawn in pixels:
-    `metres_per_pixel` must be given. Of a format whose scale may be given, `look` tells how large
-    it is drawn, and the layers of DXF. `suffixes` are the file names' usual ends, lower case.
-    `needs` is what pip installs for it beside its own package's dependencies. `lacks_heights`
-    tells by a file's first bytes whether its plan may tell no heights of ceilings.
+    `sniff` decides by a file's content whether it is of this format. The first format that accepts
+    it reads it: `read` returns the house, or raises InputError for a fault that can't be repaired.
+    Formats that are a `fallback` are tried after all others. A format that `needs_scale` is drawn
+    in pixels: `metres_per_pixel` must be given. If the scale of a format may be given, `look`
+    returns the size of the drawing, and the layers of DXF. `suffixes` are the usual ends of file
+    names, lower case. `needs` is what pip installs for it, beyond its own package's dependencies.
+    `lacks_heights` returns, by a file's first bytes, whether its plan may lack ceiling heights.
     """
 
     name: str

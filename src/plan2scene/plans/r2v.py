@@ -42,7 +42,7 @@ OUTPUT_LABELS = (
 ICON_LABELS = frozenset(
     {"bathtub", "cooking_counter", "entrance", "special", "stairs", "toilet", "washing_basin"}
 )
-#: Labels that name a room. `stairs` and `entrance` are icons, which name a room without label.
+#: Labels that name a room. The icons `stairs` and `entrance` name a room that has no label.
 ROOM_LABELS = frozenset({*R2V_TYPES, *(name.lower() for name in ROOM_TYPES)}) - ICON_LABELS
 MAX_LINES = 2000  #: Largest number of walls, and of other lines, of one file
 MAX_PIXEL = 100_000.0  #: Largest pixel coordinate
@@ -73,7 +73,7 @@ class PixelBox:
 
 @dataclass(frozen=True)
 class PixelPlan:
-    """All of a raster-to-vector file."""
+    """The contents of a raster-to-vector file."""
 
     walls: tuple[PixelWall, ...]
     doors: tuple[PixelBox, ...]
@@ -164,7 +164,7 @@ def _ends(source: Source, number: int, fields: list[str]) -> tuple[Point, Point]
 
 
 JOIN_MARGIN = 5.0  #: Wall ends nearer than this (pixels) meet; the reference converter's margin
-MIN_FACE = 50.0  #: Faces with less area than this (square pixels) are drawing slack, not rooms
+MIN_FACE = 50.0  #: Faces with less area than this (square pixels) are inaccuracies, not rooms
 
 _Edge = tuple[int, int]
 
@@ -172,10 +172,10 @@ _Edge = tuple[int, int]
 def room_polygons(source: Source, walls: Sequence[PixelWall]) -> tuple[list[Polygon], float]:
     """Return the faces that the walls close, and the length (pixels) of walls that close none.
 
-    Ends within `JOIN_MARGIN` become one node, an end that near to another wall splits it, runs
-    of nearly axis-aligned walls are made straight, crossings are split. Corners remain where
-    walls meet or turn. Sorted from top to bottom, then left to right. InputError for none, or
-    more than a house can have.
+    Ends within `JOIN_MARGIN` become one node. An end that near to another wall splits it. Runs of
+    nearly axis-aligned walls are made straight, and walls are split at crossings. Corners remain
+    where walls meet or turn. Faces are sorted from top to bottom, then left to right. Raises
+    InputError for no face, or more than `MAX_ROOMS`.
     """
     nodes, edges = _join([(wall.start, wall.end) for wall in walls])
     edges = _split_at_nodes(nodes, edges)
@@ -279,7 +279,7 @@ def _drop_flat_corners(face: Polygon, degrees: Counter[tuple[float, float]]) -> 
 
 
 def side_labels(face: Polygon, walls: Sequence[PixelWall]) -> dict[str, float]:
-    """Return the length (pixels) of walls by the label on their side towards `face`."""
+    """Return the total length (pixels) of the walls around `face` by their label on its side."""
     votes: dict[str, float] = defaultdict(float)
     for wall in walls:
         if wall.labels is None or wall.start == wall.end:
@@ -314,8 +314,8 @@ _LOW_WALLED = frozenset({"Balcony"})  #: Rooms whose own outer walls are parapet
 def house_of_r2v(text: str, house_id: str, metres_per_pixel: float, *, file: str = "") -> House:
     """Return the house of raster-to-vector text of either dialect.
 
-    Rooms are the faces that the walls close. Openings between two rooms are doors; of a room
-    with an entrance the nearest opening to the outside is one too; the others are windows.
+    Rooms are the faces that the walls close. Openings between two rooms are doors, and so is the
+    opening to the outside that is nearest to an entrance. The others are windows.
     The drawing's x becomes x, its y becomes z, times `metres_per_pixel`.
     """
     source = Source(file, house_id)
@@ -368,7 +368,7 @@ def _rooms(
         votes.pop("outside", None)
         if votes and not labels[k]:
             labels[k] = [max(votes, key=lambda label: votes[label])]
-        # An entrance or stairs name a room only where nothing else does.
+        # An entrance or stairs name a room only if no label does.
         names = [source.room_type(label, room_id) for label in labels[k] or marks[k]]
         if not names:
             source.warn("a label for each room", "none; read as Unknown", room_id)
@@ -454,7 +454,7 @@ def _outer_doors(
 
 
 def _with_heights(wall: Wall, doors: set[str]) -> Wall:
-    """Return a wall, its openings as doors or windows with the usual heights, cut to it."""
+    """Return a wall with its openings as doors or windows of the usual heights, cut to its own."""
     openings = []
     for opening in wall.openings:
         door = len(wall.room_ids) > 1 or opening.id in doors
@@ -465,10 +465,8 @@ def _with_heights(wall: Wall, doors: set[str]) -> Wall:
 
 
 def _look(plan: PlanFile) -> Unscaled:
-    """Return the size by the walls."""
+    """Return the size of the plan: the extent of its walls."""
     walls = parse_r2v(Source("", plan.house_id), plan.text).walls
-    if not walls:
-        return Unscaled("pixel")
     width, depth = np.ptp([point for wall in walls for point in (wall.start, wall.end)], axis=0)
     return Unscaled("pixel", (float(width), float(depth)))
 

@@ -1,11 +1,11 @@
 """The user study: forced choices between two renders in one offline HTML file, and their result.
 
-As in the paper (section 6.5): two methods' renders from above without ceilings, given the plan
-and the photos; both the order of the questions and which method is left are drawn by seed. The
-form does not say which is which: that is in the key, a file of its own.
+As in the paper (section 6.5), a question shows the plan, the photos, and two methods' renders from
+above without ceilings. The order of the questions and which method is on the left are random
+(seeded). The form does not name the methods: they are in the key, a separate file.
 
-Answer files come from strangers. A file is taken whole or not at all; the report names each one
-that is refused and why.
+Answer files come from strangers. A file with one invalid line is refused as a whole; the report
+names each refused file and the reason.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _BODY = Path(__file__).with_name("study_form.html")
 
 
 def study_houses(houses: Sequence[str], count: int, *, seed: int) -> list[str]:
-    """Return `count` of the houses in a seeded order; all where there are fewer."""
+    """Return `count` houses in a seeded random order; all of them if there are fewer."""
     order = generator(seed, "study", "houses").permutation(len(houses))
     return [sorted(houses)[i] for i in order[:count]]
 
@@ -38,10 +38,10 @@ def study_houses(houses: Sequence[str], count: int, *, seed: int) -> list[str]:
 def make_questions(
     houses: Sequence[str], pairs: Sequence[Sequence[str]], *, seed: int
 ) -> list[dict[str, str]]:
-    """Return the key's rows: a question per house and pair of methods, shuffled, sides too.
+    """Return the key's rows: a question for each house and pair of methods, in random order.
 
-    Every pair has either method left in half of its questions, one more or less. ``form`` names
-    the form that a question belongs to.
+    Sides are random, too: each method of a pair is on the left in half of the pair's questions (one
+    more or less if their number is odd). ``form`` is the id of the form that has the question.
     """
     drawn: list[tuple[str, str, str]] = []
     for first, second in pairs:
@@ -71,11 +71,9 @@ def write_study(
 
     `sheets` are folders of :func:`.study_sheet.write_study_sheet`, in the order of `houses`.
     """
-    import pandas as pd
-
     questions = make_questions(houses, pairs, seed=seed)
     folders = dict(zip(houses, map(Path, sheets), strict=True))
-    places: dict[Path, int] = {}  # of each picture in the page's list
+    places: dict[Path, int] = {}  # index of each picture in the page's list of images
     asked = []
     for item in questions:
         folder = folders[item["house"]]
@@ -104,17 +102,17 @@ def write_study(
 
 #: Columns of an answer file, as the form writes them.
 ANSWER_COLUMNS = ("form", "participant", "question", "choice", "seconds")
-#: Share of choices for Synth in the paper's study (18 people, 20 houses), by the other method.
+#: Share of choices for the first method of a pair in the paper's study (18 people, 20 houses).
 PUBLISHED = {("synth", "crop"): 0.669, ("synth", "retrieve"): 0.694, ("synth", "naivesynth"): 0.728}
 _MAX_BYTES = 1_000_000
 _NAME = "[A-Za-z0-9_-]{1,40}"
 
 
 def read_answers(path: str | Path, key: pd.DataFrame) -> pd.DataFrame:
-    """Return the answers of one file, all columns text; InputError for anything unexpected.
+    """Return the answers of one file, all columns as text; InputError for anything unexpected.
 
-    Each line must be of the form of the `key` (columns form, question, house, left, right), name a
-    question of it, choose ``left`` or ``right`` and be that person's only answer to it.
+    Each line must have the form id of the `key` (columns form, question, house, left, right), name
+    one of its questions, choose ``left`` or ``right``, and be that person's only answer to it.
     """
     file = Path(path)
     if file.is_file() and file.stat().st_size > _MAX_BYTES:
@@ -139,10 +137,10 @@ def read_answers(path: str | Path, key: pd.DataFrame) -> pd.DataFrame:
 def preferences(
     key: pd.DataFrame, answers: pd.DataFrame, pairs: Sequence[Sequence[str]]
 ) -> pd.DataFrame:
-    """Return how often the first method of each pair that has answers was chosen.
+    """Return how often the first method of each pair was chosen; skip pairs without answers.
 
-    Columns ``method, other, participants, answers, chosen, share, low_95, high_95``; the interval
-    is Wilson's, within [0, 1] also near its ends and for few answers.
+    Columns ``method, other, participants, answers, chosen, share, low_95, high_95``. The 95 %
+    interval is Wilson's, which stays within [0, 1] even near its ends and for few answers.
     """
     from scipy.stats import binomtest
 
@@ -171,8 +169,8 @@ def study_result(
 ) -> pd.DataFrame:
     """Write the preferences as CSV and as text; return them.
 
-    InputError when no file holds an answer. A person who appears in two files counts once per
-    question: the later file, by name, is refused.
+    InputError if no file holds an answer. If a person answers the same question in two files, the
+    file that comes later by name is refused.
     """
     key = pd.read_csv(key_file, dtype=str)
     answers, refused = _collected(key, sorted(map(Path, answer_files)))
@@ -200,7 +198,7 @@ def study_result(
 
 
 def _collected(key: pd.DataFrame, files: Sequence[Path]) -> tuple[pd.DataFrame, list[str]]:
-    """Return the answers of all good files, and why each other one is refused."""
+    """Return the answers of all valid files, and a line for each refused file with the reason."""
     answers = pd.DataFrame(columns=list(ANSWER_COLUMNS))
     refused = []
     for path in files:

@@ -1,4 +1,4 @@
-"""Pictures of plans: how they are read and turned straight, and which are refused."""
+"""Read pictures of plans, turn them straight, and refuse other pictures."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from shapely.geometry import Polygon
 from plan2scene.errors import InputError
 from plan2scene.images import read_reduced_image
 from plan2scene_app.tracing.regions import Regions
-from plan2scene_app.tracing.settings import DOOR, OUTSIDE, PASSAGE, ROOM, SETTINGS, WINDOW
+from plan2scene_app.tracing.settings import DOOR, OUTSIDE, ROOM, SETTINGS
 
 
 @dataclass(frozen=True)
 class PlanPicture:
-    """A picture (h, w, 3) uint8 sRGB of a file, without much blank paper around what is drawn.
+    """A picture (h, w, 3) uint8 sRGB of a file, cut to what is drawn with little paper around it.
 
-    A pixel of it is `shrunk` pixels of the file, in which it begins at `corner` (x, y).
+    A pixel of it is `shrunk` pixels of the file; `corner` (x, y) in the file is its upper left one.
     """
 
     image: np.ndarray
@@ -30,7 +30,7 @@ class PlanPicture:
 
 
 def read_plan_picture(path: str | Path) -> PlanPicture:
-    """Return a picture of at most `long_side_px` pixels a side; InputError for an empty page."""
+    """Return a picture of at most `long_side_px` a side; InputError if it is empty or too small."""
     image, (height, width) = read_reduced_image(path, SETTINGS.long_side_px, pages=True)
     if min(height, width) < SETTINGS.least_side_px:
         expected = f"a plan of at least {SETTINGS.least_side_px} pixels a side"
@@ -50,7 +50,7 @@ def read_plan_picture(path: str | Path) -> PlanPicture:
 
 
 def _printed(image: np.ndarray) -> tuple[slice, slice]:
-    """Return rows and columns of a picture with something on them; all where that fills it."""
+    """Return the rows and columns that hold what is drawn, or all if it fills most of them."""
     grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
     paper = round(float(np.percentile(grey, 90)))
     ink = np.where(grey > paper, grey - np.uint8(paper), np.uint8(paper) - grey)  # no copy as float
@@ -64,9 +64,9 @@ def _printed(image: np.ndarray) -> tuple[slice, slice]:
 
 
 def dark_on_light(image: np.ndarray) -> np.ndarray:
-    """Return a picture (h, w, 3) uint8 sRGB with dark lines: the negative of light on dark.
+    """Return a picture (h, w, 3) uint8 sRGB with dark lines: light lines on dark are inverted.
 
-    A sheet photographed in a dim room is dark, too, but what is drawn on it is darker.
+    A sheet photographed in a dim room is dark, too, but stays: its lines are darker than its paper.
     """
     grey = cv2.blur(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), (3, 3))
     low, paper, high = np.percentile(grey, [1, 50, 99])
@@ -75,7 +75,7 @@ def dark_on_light(image: np.ndarray) -> np.ndarray:
 
 
 def how_sure(probabilities: np.ndarray, regions: Regions) -> float:
-    """Return the mean probability of what was found where the rooms are; 0 without rooms."""
+    """Return the mean probability of the likeliest label over all rooms; 0 without rooms."""
     if not regions.count:
         return 0.0
     best = np.maximum(probabilities[:ROOM].max(0), probabilities[ROOM:].sum(0))
@@ -91,8 +91,8 @@ def refuse_other_pictures(
 ) -> None:
     """Raise InputError for a photo, a page of text or another picture without a plan.
 
-    A network sees rooms in a photo, too: less sure ones, in a picture with little that is flat and
-    without paper.
+    The network finds rooms in photos, too. But their probability is low, and a photo has few flat
+    areas and no paper.
     """
     reason, busy = "", flat_share(image) < SETTINGS.busy
     if not polygons:
@@ -121,7 +121,7 @@ def paper_share(image: np.ndarray) -> float:
 
 
 def flat_share(image: np.ndarray) -> float:
-    """Return the share of a picture (h, w, 3) uint8 sRGB that is flat, at 384 pixels a side."""
+    """Return the share of (h, w, 3) uint8 sRGB with hardly any gradient, at 384 pixels a side."""
     zoom = 384 / max(image.shape[:2])
     how = cv2.INTER_AREA if zoom < 1 else cv2.INTER_LINEAR
     small = cv2.medianBlur(cv2.resize(image, None, fx=zoom, fy=zoom, interpolation=how), 3)
@@ -132,7 +132,7 @@ def flat_share(image: np.ndarray) -> float:
 
 @dataclass(frozen=True)
 class Frame:
-    """A straightened part of a picture; `matrix` (2, 3) takes the picture's pixels to its own."""
+    """A straightened part of a picture; `matrix` (2, 3) maps the picture's pixels to its own."""
 
     image: np.ndarray  #: (h, w, 3) uint8
     matrix: np.ndarray
@@ -152,7 +152,7 @@ class Frame:
 
 
 def fills(part: tuple[slice, slice], shape: tuple[int, ...]) -> bool:
-    """Return whether rows and columns are most of a picture's, so that these are looked at."""
+    """Return whether rows and columns fill most of a picture, so that nothing is cut off it."""
     longer = max(box.stop - box.start for box in part)
     return longer >= SETTINGS.fills * max(shape[:2])
 
@@ -166,7 +166,7 @@ def whole(image: np.ndarray, long_side: int) -> Frame:
 
 
 def main_direction(walls: np.ndarray) -> float:
-    """Return by how many degrees, -45 to 45, walls (h, w; probabilities) are turned clockwise."""
+    """Return the degrees, -45 to 45, by which walls (h, w; probabilities) are turned clockwise."""
     smooth = cv2.GaussianBlur(walls.astype(np.float32), (0, 0), 1.2)
     gx, gy = cv2.Sobel(smooth, cv2.CV_32F, 1, 0), cv2.Sobel(smooth, cv2.CV_32F, 0, 1)
     strength = gx**2 + gy**2
@@ -183,7 +183,7 @@ def main_direction(walls: np.ndarray) -> float:
 
 
 def first_scale(structure: np.ndarray) -> float:
-    """Return about how many pixels a metre of a structure (h, w) has: by its doors and its size."""
+    """Estimate the pixels a metre of a structure (h, w) from its doors and its size."""
     return scale_by_doors(door_widths(structure), drawn_size(structure))
 
 
@@ -195,17 +195,17 @@ def door_widths(structure: np.ndarray) -> list[int]:
 
 
 def drawn_size(structure: np.ndarray) -> float:
-    """Return the longer side in pixels of what a structure (h, w) shows."""
+    """Return the longer side in pixels of the plan in a structure (h, w)."""
     rows, columns = np.nonzero(_largest_part(structure != OUTSIDE))
     return max(float(np.ptp(rows)), float(np.ptp(columns)), 1.0) if len(rows) else 1.0
 
 
 def scale_by_doors(widths: Sequence[float], size: float) -> float:
-    """Return about how many pixels a metre has where doors are so wide and a home is so large."""
+    """Estimate the pixels a metre from the doors' widths and the plan's longer side, in pixels."""
     usual, spread = np.log(size / SETTINGS.home_size[0]), SETTINGS.home_size[1]
     if not widths:
         return float(np.exp(usual))
-    # Half of a door is found more often than two doors as one.
+    # The 70th percentile, as half of a door is found more often than two doors as one.
     doors, unsure = (
         np.log(np.percentile(widths, 70) / SETTINGS.door_width[0]),
         0.15 + 0.4 / len(widths),
@@ -215,9 +215,8 @@ def scale_by_doors(widths: Sequence[float], size: float) -> float:
 
 
 def outline_of(first: Frame, structure: np.ndarray) -> np.ndarray:
-    """Return points (n, 2) of the picture where the structure of a frame shows the plan."""
-    drawn = np.isin(structure, (DOOR, WINDOW, PASSAGE)) | (structure > PASSAGE) | (structure == 1)
-    rows, columns = np.nonzero(_largest_part(drawn))
+    """Return the plan's points (n, 2) in the picture: walls, openings and rooms of `first`."""
+    rows, columns = np.nonzero(_largest_part(structure != OUTSIDE))
     return first.to_picture(np.c_[columns, rows].astype(float))
 
 
@@ -229,10 +228,10 @@ def straightened(
     *,
     beyond: np.ndarray,
 ) -> tuple[Frame, list[tuple[slice, slice]]]:
-    """Return drawings of a picture straight at the network's size, and where each lies therein.
+    """Return a straight frame at the network's size, and the place of each drawing in it.
 
-    `outlines` are points (n, 2) of each in the picture, `beyond` are points (n, 2) that the frame
-    holds, too; `ppm` are the picture's pixels a metre.
+    `outlines` are points (n, 2) of each drawing in the picture. `beyond` are further points (n, 2)
+    that the frame must hold. `ppm` is the picture's pixels a metre, `angle` its turn in degrees.
     """
     c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
     turn = np.array([[c, s], [-s, c]]) if abs(angle) >= SETTINGS.least_turn else np.eye(2)
@@ -257,7 +256,7 @@ def straightened(
 def warped(
     image: np.ndarray, turn: np.ndarray, low: np.ndarray, high: np.ndarray, zoom: float
 ) -> Frame:
-    """Return what lies between two corners of a turned picture, `zoom` times as large."""
+    """Return the frame between two corners of the turned picture, `zoom` times as large."""
     size = np.maximum(32, np.ceil((high - low) * zoom)).astype(int)
     how = cv2.INTER_AREA if zoom < 1 else cv2.INTER_CUBIC
     small = cv2.resize(image, None, fx=zoom, fy=zoom, interpolation=how)
@@ -275,7 +274,7 @@ def warped(
 
 
 def _largest_part(drawn: np.ndarray) -> np.ndarray:
-    """Return the pixels of parts that are not small beside the largest (letters, stains)."""
+    """Return the pixels without parts much smaller than the largest one (letters, stains)."""
     places, count = ndimage.label(drawn, np.ones((3, 3)))
     if count < 2:
         return drawn

@@ -1,4 +1,4 @@
-"""Walls that are thin single lines: what parts named rooms that the network sees as one."""
+"""Walls drawn as thin single lines, found where they part named rooms that the network joins."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ class _Parted:
 
     structure: np.ndarray
     ppm: float
-    agree: int  #: printed sizes that agree on the pixels a metre
-    names: int  #: named parts
+    agree: int  #: number of printed sizes that agree on the pixels a metre
+    names: int  #: number of parts with a name
 
 
 def with_thin_walls(
@@ -32,12 +32,12 @@ def with_thin_walls(
 ) -> tuple[np.ndarray, float]:
     """Return the structure (h, w) uint8 with straight lines as walls, gaps in them as doors.
 
-    And the pixels a metre, by `sizes` (x, y, m2 of the room there), else the widths of these doors.
-
-    `names` are the places (x, y) of room names. Lines are walls where they part names; what has
-    neither a name nor a gap in its border is furniture. Left as it is where fewer than
-    `SETTINGS.thin_names` names more are parted, and fewer gaps are found. `ppm` is a guess: of some
-    tried, the one is taken on which most sizes agree.
+    It also returns the pixels a metre, by `sizes` (x, y, m2 of the room there), else by the widths
+    of these doors. `names` are the places (x, y) of room names. Lines between named rooms are
+    walls; an area with neither a name nor a gap in its border is furniture. The structure stays as
+    it is if the lines part fewer than `SETTINGS.thin_names` more names and have fewer gaps than
+    that. `ppm` is a guess: several scales near it are tried, and the one on which most sizes agree
+    is taken.
     """
     found = [
         parted
@@ -57,7 +57,7 @@ def _parted_at(
     sizes: Sequence[tuple[float, float, float]],
     ppm: float,
 ) -> _Parted | None:
-    """Return a structure parted at a guess of the pixels a metre; None where too little is."""
+    """Return the structure parted at one guess of the scale; None if too few names are parted."""
     dark = ink_of(image)
     ink, solid = dark > SETTINGS.ink, solid_walls(dark, 2 * ppm)
     inside = ndimage.binary_fill_holes(structure != OUTSIDE) & (structure == OUTSIDE)
@@ -76,7 +76,7 @@ def _parted_at(
         walls |= line.T if turned else line
         doors |= gap.T if turned else gap
     before = _parted(structure == ROOM, names)
-    # Where the network sees an opening in a part of a gap, the whole gap is one.
+    # Where the network sees an opening in a part of a gap, the whole gap is an opening.
     opening = np.isin(structure, (DOOR, PASSAGE))
     floor |= opening & doors
     added = walls & floor
@@ -106,7 +106,7 @@ def _parted_at(
     told = [
         float(np.sqrt(areas[face] / own[0])) for face, own in at.items() if face and len(own) == 1
     ]
-    # Of rooms that are not parted, each says too much: those that agree are believed.
+    # A floor that is several unparted rooms gives too large a scale: take the scales that agree.
     agree = [[one for one in told if abs(np.log(one / other)) < 0.06] for other in sorted(told)]
     best = max(agree, key=len, default=[])
     if len(best) >= 2:
@@ -118,8 +118,8 @@ def _parted_at(
 def _without_furniture(faces: np.ndarray, kept: np.ndarray, added: np.ndarray) -> np.ndarray:
     """Return the lines (h, w) bool without those between furniture and the room it stands in.
 
-    `faces` (h, w) are numbered from 1, `kept` are rooms. Furniture stands in the room that it has
-    most border with, for that room's size.
+    `faces` (h, w) are numbered from 1; `kept` tells which are rooms. Furniture stands in the face
+    with the largest shared border, divided by the square root of that face's area.
     """
     opened = added.copy()
     sizes = np.bincount(faces.ravel(), minlength=len(kept))
@@ -141,7 +141,7 @@ def _without_furniture(faces: np.ndarray, kept: np.ndarray, added: np.ndarray) -
 
 
 def _parted(floor: np.ndarray, names: Sequence[tuple[float, float]]) -> int:
-    """Return how many parts of a floor (h, w) bool have a name."""
+    """Return the number of connected parts of a floor (h, w) bool that have a name."""
     places, _ = ndimage.label(floor)
     h, w = floor.shape
     inside = [(round(x), round(y)) for x, y in names if 0 <= x < w - 1 and 0 <= y < h - 1]
@@ -155,8 +155,10 @@ def _rooms(
     names: Sequence[tuple[float, float]],
     ppm: float,
 ) -> np.ndarray:
-    """Return which faces (numbered from 1) have a name, or a gap and the size of a room."""
-    kept = np.zeros(count + 1, bool)
+    """Return which faces are rooms: they have a name, or a gap and the size of a room.
+
+    `faces` (h, w) are numbered from 1; the result is (count + 1,) bool.
+    """
     beside = cv2.dilate(gaps.astype(np.uint8), np.ones((7, 7), np.uint8)) > 0
     touched = np.bincount(faces[beside], minlength=count + 1)
     sizes = np.bincount(faces.ravel(), minlength=count + 1)
@@ -174,7 +176,8 @@ def _lines(
 ) -> tuple[np.ndarray, np.ndarray, list[int]]:
     """Return straight lines along x, the gaps between two in line (h, w) bool, and their widths.
 
-    Of a line a part is `seen` as a wall by the network (h, w) bool; the edge of a bath is not.
+    A line counts if the network has labelled enough of it as wall (`seen`, (h, w) bool), which it
+    does not do for the edge of a bath.
     """
     length = max(9, round(SETTINGS.thin_line * ppm))
     drawn = cv2.dilate(ink.astype(np.uint8), np.ones((3, 1), np.uint8))
