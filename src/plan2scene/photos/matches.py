@@ -1,8 +1,9 @@
 """Photos that show the same things, were taken from one spot, or look alike.
 
-Points found in both tell the first two. Where the Manhattan frames of both photos are known, a
-quarter turn between them and the way from one camera to the other is all that is not: what agrees
-with one of each is no chance. Colours and features of whole photos tell the third.
+Matched points show the first two. Where the Manhattan frames of both photos are known, only the
+number of quarter turns between them and the direction from one camera to the other are unknown.
+Many matches that agree with one choice of both are no coincidence. Colours and features of whole
+photos show the third.
 """
 
 from __future__ import annotations
@@ -24,50 +25,50 @@ class MatchSettings:
     """Constants of the matching of photos. Source: set by hand on a listing (development)."""
 
     side_px: int = 400  #: longer side that photos are reduced to, pixels
-    points: int = 400  #: most points of a photo
+    points: int = 400  #: largest number of points of a photo
     contrast: float = 0.02  #: least contrast of a point (OpenCV's SIFT)
-    ratio: float = 0.8  #: A match is nearer than the second best by this (Lowe 2004)
-    apart_px: float = 6.0  #: points at the same place of both photos belong to a watermark, pixels
-    least: int = 8  #: fewer matches than this are not looked at
+    ratio: float = 0.8  #: largest distance of a match over that of the second best (Lowe 2004)
+    apart_px: float = 6.0  #: matches that move less are dropped: they lie on a watermark, pixels
+    least: int = 8  #: pairs of photos with fewer matches than this are skipped
 
 
 @dataclass(frozen=True)
 class SpotSettings:
-    """Constants of what finds photos of one spot. Source: set by hand on a real flat (development).
+    """Constants of :func:`same_spot`. Source: set by hand on a real flat (development).
 
-    There 75 % and more of the matches of photos from one spot are seen in one direction, 20 % and
-    less of others.
+    There 75 % and more of the matches of two photos from one spot have the same direction in both,
+    and 20 % and less of the matches of other pairs.
     """
 
-    agrees_deg: float = 3.0  #: a point is seen in one direction within this, degrees
-    share: float = 0.5  #: least share of the matches that are
+    agrees_deg: float = 3.0  #: largest angle between a point's directions in both photos, degrees
+    share: float = 0.5  #: least share of the matches that agree so
 
 
 @dataclass(frozen=True)
 class TurnSettings:
-    """Constants of what finds how the frames of two photos are turned.
+    """Constants of :func:`same_things`, which finds how the frames of two photos are turned.
 
-    Source: set by hand on two real flats and a listing (development). There all pairs that
-    pass are turned so, and show one room or rooms that are open to each other.
+    Source: set by hand on two real flats and a listing (development). There the turn is right for
+    all pairs that pass, and they show one room or rooms that are open to each other.
     """
 
-    agrees_deg: float = 1.0  #: distance to the plane of both eyes and a point's ray, degrees
-    ways: int = 300  #: ways from one eye to the other that are tried, each forth and back
-    #: They rise by less than this, degrees: else photos of one spot agree with half a turn, too.
+    agrees_deg: float = 1.0  #: largest angle of the second ray to its epipolar plane, degrees
+    ways: int = 300  #: directions from one camera to the other that are tried, each both ways
+    #: Their largest rise, degrees: steeper ones make photos of one spot fit half a turn, too.
     rise_deg: float = 45.0
-    #: Points nearer to such a way than this tell nothing of it, radians.
+    #: Points nearer to such a direction than this say nothing about it, radians.
     ahead: float = 0.02
-    least: int = 10  #: least matches that agree
-    share: float = 0.5  #: least share of the matches that do
-    lead: float = 1.2  #: they are more than those that agree with another turn by this
+    least: int = 10  #: least number of matches that agree
+    share: float = 0.5  #: least share of the matches that agree
+    lead: float = 1.2  #: least ratio of the matches that agree to those of the second best turn
 
 
 class SeenByBoth(NamedTuple):
     """Points that two photos show, as rays of length 1 in each photo's Manhattan frame."""
 
     pair: tuple[str, str]  #: the lesser name first
-    ahead: np.ndarray  #: (n, 3), of the first photo
-    seen: np.ndarray  #: (n, 3), of the second
+    ahead: np.ndarray  #: (n, 3), rays of the first photo
+    seen: np.ndarray  #: (n, 3), rays of the second photo
 
 
 MATCHES, SPOTS, TURNS = MatchSettings(), SpotSettings(), TurnSettings()
@@ -75,15 +76,15 @@ MATCHES, SPOTS, TURNS = MatchSettings(), SpotSettings(), TurnSettings()
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """Points of a photo."""
+    """SIFT points of a photo."""
 
     places: np.ndarray  #: (n, 2) float32, pixels of the reduced photo
-    looks: np.ndarray  #: (n, 128) float32 of length 1
-    zoom: float = 1.0  #: side of the reduced photo by that of the photo
+    looks: np.ndarray  #: (n, 128) float32 descriptors of length 1
+    zoom: float = 1.0  #: side of the reduced photo over the side of the photo
 
 
 def find_points(image: np.ndarray) -> Points:
-    """Return the points of a (h, w, 3) uint8 sRGB photo, the clearest first."""
+    """Return the SIFT points of a (h, w, 3) uint8 sRGB photo, the strongest first."""
     zoom = min(1.0, MATCHES.side_px / max(image.shape[:2]))
     small = cv2.resize(image, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA)
     grey = cv2.createCLAHE(2.0, (8, 8)).apply(cv2.cvtColor(small, cv2.COLOR_RGB2GRAY))
@@ -98,10 +99,10 @@ def find_points(image: np.ndarray) -> Points:
 
 
 def same_spot(seen_by_both: Sequence[SeenByBoth]) -> dict[tuple[str, str], int]:
-    """Return the pairs of photos from one spot, the lesser name first, and how they are turned.
+    """Return the pairs of photos from one spot, the lesser name first, with their turn.
 
-    That is in quarter turns, 0 to 3: by how much the azimuth of a thing in the first photo's
-    Manhattan frame is larger than in the second's.
+    The turn is in quarter turns, 0 to 3: by so much the azimuth of a thing in the first photo's
+    Manhattan frame is larger than in the second photo's.
     """
     found = {}
     for pair, ahead, seen in seen_by_both:
@@ -116,9 +117,9 @@ def same_spot(seen_by_both: Sequence[SeenByBoth]) -> dict[tuple[str, str], int]:
 
 
 def same_things(seen_by_both: Sequence[SeenByBoth]) -> dict[tuple[str, str], int]:
-    """Return the pairs of photos that see the same things, with their turns as `same_spot`.
+    """Return the pairs of photos that see the same things, with their turns as in `same_spot`.
 
-    So many of their matches agree with one turn and one way between the eyes that it is no chance.
+    Enough matches of a pair must agree with one turn and one direction between the cameras.
     """
     found = {}
     for pair, ahead, seen in seen_by_both:
@@ -133,10 +134,11 @@ def same_things(seen_by_both: Sequence[SeenByBoth]) -> dict[tuple[str, str], int
 
 
 def _moved(ahead: np.ndarray, seen: np.ndarray, starts: np.ndarray) -> int:
-    """Return how many of the rays (n, 3) of points from two eyes meet, as most do for one way.
+    """Return how many pairs of rays (n, 3) from two cameras meet, for the best direction between.
 
-    Each pair of `starts` (t, 2) gives a way from the first eye to the second: it lies in the planes
-    of both points' rays (the essential matrix of a known turn; Hartley and Zisserman 2004, 9.6).
+    Each pair of points in `starts` (t, 2) gives a direction from the first camera to the second. It
+    lies in the plane of each point's two rays, so it is the line where both planes cross (essential
+    matrix of a known turn; Hartley and Zisserman 2004, 9.6).
     """
     normals = np.cross(ahead, seen)
     ways = np.cross(normals[starts[:, 0]], normals[starts[:, 1]])
@@ -149,7 +151,7 @@ def _moved(ahead: np.ndarray, seen: np.ndarray, starts: np.ndarray) -> int:
     across = np.cross(ways[:, None], ahead[None])
     width = np.linalg.norm(across, axis=2)
     off = np.abs((across * seen).sum(axis=2)) / np.maximum(width, 1e-9)
-    # What lies beside the way falls behind as one goes on.
+    # The angle between a point's ray and the direction of motion grows as the camera moves.
     behind = seen @ ways.T <= ahead @ ways.T + 0.005
     meets = (off < np.sin(np.radians(TURNS.agrees_deg))) & behind.T & (width > TURNS.ahead)
     return int(meets.sum(axis=1).max())
@@ -158,7 +160,7 @@ def _moved(ahead: np.ndarray, seen: np.ndarray, starts: np.ndarray) -> int:
 def matched_rays(
     photos: Mapping[str, Points], cameras: Mapping[str, Camera]
 ) -> Iterator[SeenByBoth]:
-    """Yield the pairs of photos that match; `cameras` without a frame are left out."""
+    """Yield the pairs of photos that match; photos without a Manhattan frame are skipped."""
     rays = {
         name: cameras[name].rays((points.places + 0.5) / points.zoom - 0.5)
         for name, points in photos.items()
@@ -171,20 +173,20 @@ def matched_rays(
 
 
 def colours_of(image: np.ndarray) -> np.ndarray:
-    """Return the roots of the shares of a photo's colours, (256,), of (h, w, 3) uint8 sRGB."""
+    """Return the square root of the colour histogram, (256,), of a (h, w, 3) uint8 sRGB photo."""
     zoom = min(1.0, MATCHES.side_px / max(image.shape[:2]))
     small = cv2.resize(image, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA)
     lab = cv2.cvtColor(small, cv2.COLOR_RGB2LAB)
-    lab[..., 1:] = np.clip(lab[..., 1:], 96, 159)  # few things in rooms are of stronger colours
+    lab[..., 1:] = np.clip(lab[..., 1:], 96, 159)  # few things in rooms have stronger colours
     counts = cv2.calcHist([lab], [0, 1, 2], None, [4, 8, 8], [0, 256, 96, 160, 96, 160])
     return np.asarray(np.sqrt(counts.ravel() / lab[..., 0].size))
 
 
 def likeness(photos: Mapping[str, Sequence[np.ndarray]]) -> dict[tuple[str, str], float]:
-    """Return how alike photos of a home look, pair by pair, -1 to 1, the lesser name first.
+    """Return the likeness of each pair of photos of a home, -1 to 1, the lesser name first.
 
-    Each photo has the same vectors, of whatever size; of each counts in what it differs from the
-    home's mean. The likeness is the mean over the vectors of the cosine between two photos.
+    Each photo has the same kinds of vectors, each of any length. The home's mean is subtracted from
+    each vector. The likeness is the cosine between two photos' vectors, averaged over the kinds.
     """
     names = sorted(photos)
     alike = np.zeros((len(names), len(names)))

@@ -1,4 +1,4 @@
-"""Photos as the stages see them: large ones are reduced, so that time and memory stay bounded."""
+"""Reading of photos: large ones are reduced, so that time and memory stay bounded."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ import numpy as np
 from plan2scene.errors import InputError
 from plan2scene.images import read_reduced_image
 
-#: Longer side, pixels, that photos are reduced to. At 60 degrees a wall 2.5 m away then has 550
-#: pixels a metre: more than the densest crop (128 pixels of 0.35 m) can hold.
+#: Longer side, pixels, that photos are reduced to. With a field of view of 60 degrees, a wall 2.5 m
+#: away then has 550 pixels per metre, more than the densest crop (128 pixels of 0.35 m) can hold.
 MAX_SIDE = 1600
-#: Photos that are narrower, as they are or once reduced, show no surface that a crop could use.
+#: Least shorter side, pixels, after the reduction: narrower photos show no usable surface.
 MIN_SIDE = 32
 
 
 def reduced_size(size: tuple[int, int]) -> tuple[int, int]:
-    """Return the (height, width) that a photo of (height, width) is worked on at."""
+    """Return the (height, width) to which a photo of `size` (height, width) is reduced."""
     scale = min(1.0, MAX_SIDE / max(size))
     return max(1, round(size[0] * scale)), max(1, round(size[1] * scale))
 
@@ -26,7 +26,7 @@ def reduced_size(size: tuple[int, int]) -> tuple[int, int]:
 def read_photo(path: str | os.PathLike[str], *, house_id: str = "") -> np.ndarray:
     """Return a photo as (h, w, 3) uint8 sRGB, its longer side at most `MAX_SIDE`.
 
-    Masks, cameras and windows are in the pixels of this picture. Raises InputError as
+    Masks, cameras and windows use the pixels of this picture. Raises InputError as
     :func:`plan2scene.images.read_reduced_image` does, and for a side below `MIN_SIDE`.
     """
     image, size = read_reduced_image(path, MAX_SIDE, house_id=house_id)

@@ -1,4 +1,4 @@
-"""One lens for the photos of a shoot: what most are sure of is told to those that are not."""
+"""A lens shared by the photos of a shoot: unsure photos take the focal length of the sure ones."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from plan2scene.photos.camera.lines import CAMERA
 class LensSettings:
     """When photos share a lens. Set by hand on two real flats and two listings (development)."""
 
-    sure: float = 0.9  #: confidence from which on a photo's own lines tell its focal length
-    #: Least number of sure photos of a lens, and most lenses of a home.
+    sure: float = 0.9  #: least confidence at which the focal length by a photo's lines is sure
+    #: Least number of sure photos for a lens, and largest number of lenses of a home.
     least: int = 3
     most: int = 2
-    #: Ratio of the focal lengths of one lens to their median: zoom and errors of lines.
+    #: Largest ratio of the focal lengths of one lens to its central one: for zoom and for errors.
     near: float = 1.1
-    #: Share of the sure photos that the lenses must have together; else there is none.
+    #: Least share of the sure photos that belong to one of the lenses; else no lens is found.
     share: float = 0.5
 
 
@@ -30,7 +30,7 @@ LENS = LensSettings()
 
 
 def lenses_of(focals: Sequence[float]) -> list[float]:
-    """Return the focal lengths (in any unit) that most photos have, the most frequent first."""
+    """Return the focal lengths that most photos have, in their unit, the most frequent first."""
     left = sorted(focals)
     found: list[tuple[float, int]] = []
     while len(found) < LENS.most:
@@ -49,13 +49,13 @@ def with_shared_lenses(
     models: Mapping[str, str],
     refit: Callable[[str, ExifFocal], Camera],
 ) -> dict[str, Camera]:
-    """Return cameras, the unsure ones with the focal length of photos by the same camera model.
+    """Return cameras; the unsure ones get the focal length of sure photos by the same camera model.
 
-    `models` gives each photo's camera model in its EXIF data, empty for none. `refit` estimates a
-    photo's camera again, given a focal length as EXIF data would tell it: surer lines of the photo
-    still go before it. Focal lengths are compared in longer sides of the photo, so that portraits
-    count too. Where the sure photos agree on no lens, their median stands in for the configured
-    field of view alone.
+    `models` gives each photo's camera model from its EXIF data, empty if unknown. `refit` estimates
+    a photo's camera again with a given focal length, which it treats like EXIF data: confident
+    lines of the photo can still replace it. Focal lengths are divided by the photo's longer side,
+    so that portrait photos can be compared. Where the sure photos agree on no lens, their median
+    replaces only the configured field of view.
     """
     known = {
         name: camera.focal_px / max(camera.width, camera.height)
@@ -80,6 +80,6 @@ def with_shared_lenses(
             best = refit(name, ExifFocal(float(np.median(others)) * side, cropped=True))
         else:
             continue
-        # It is the one that was told, unless surer lines of the photo went before.
+        # Its focal length is the shared one, unless confident lines of the photo replaced it.
         made[name] = replace(best, focal_source="shared") if best.focal_source == "exif" else best
     return made

@@ -1,8 +1,8 @@
 """Line segments of a photo and of its label mask, and their weights in the estimate of the camera.
 
-A segment and the camera centre span a plane with unit normal n. A line along the unit direction
-d (camera axes) gives n . d = 0; the residual used here is the angle by which the segment would
-have to turn about the ray m through its middle, ``asin(|n . d| / |m x d|)``.
+A segment and the camera centre span a plane with unit normal n. If the segment shows a line along
+the unit direction d (camera axes), then n . d = 0. The residual used here is the angle by which
+the segment would have to turn about the ray m through its middle, ``asin(|n . d| / |m x d|)``.
 """
 
 from __future__ import annotations
@@ -27,90 +27,90 @@ class CameraSettings:
     """
 
     # Line segments of the photo.
-    #: Photos are reduced to this width or height (the larger) before segments are found, pixels.
+    #: Longer side that photos are reduced to before segments are found, pixels.
     working_side_px: int = 800
-    max_segments: int = 320  #: segments used, the longest
-    min_length_px: float = 12.0  #: shorter segments carry no direction, pixels of the reduced photo
+    max_segments: int = 320  #: largest number of segments used; the longest are kept
+    min_length_px: float = 12.0  #: shorter segments are dropped, pixels of the reduced photo
     end_noise_px: float = 1.0  #: error of a segment's ends, pixels
-    #: Least angular noise of a segment, in the fit and for the first guesses, radians.
+    #: Least angular noise of a segment, first in the fit, then for the first guesses, radians.
     angle_noise: float = float(np.radians(0.35))
     coarse_noise: float = float(np.radians(1.6))
-    #: Neighbours of nearly the same direction among which a segment still counts in full.
+    #: Number of near, parallel neighbours that divides a segment's weight by the square root of 2.
     crowd: float = 2.0
-    #: Their distance, share of the photo's width, and difference of direction, radians.
+    #: Gaussian scales of their distance (share of the photo's width) and angle (radians).
     crowd_reach: float = 0.2
     crowd_angle: float = float(np.radians(8.0))
 
     # Lines along borders of labels.
-    #: Lines used, the longest.
-    max_borders: int = 12
-    border_length: float = 0.08  #: shortest length, share of the photo's width
-    #: Width of the strip whose border pixels belong to one line, share of the photo's width.
+    max_borders: int = 12  #: largest number of lines
+    border_length: float = 0.08  #: shortest length of a line, share of the photo's width
+    #: Border pixels within this distance of a line belong to it, share of the photo's width.
     border_width: float = 0.01
-    border_weight: float = 2.0  #: weight of such a line, and of the photo's own lines there
-    border_noise_px: float = 4.0  #: error of its ends, pixels
+    border_weight: float = 2.0  #: weight of such a line, and of photo segments on a border
+    border_noise_px: float = 4.0  #: error of the ends of such a line, pixels
 
     # First guesses.
-    #: Horizontal fields of view that are searched (and up to the prior's, if beyond), degrees.
+    #: Horizontal fields of view that are searched, degrees; widened to include the prior's.
     fov_range_deg: tuple[float, float] = (30.0, 115.0)
-    #: Focal lengths, headings, pairs of upright segments, and vertical vanishing points kept.
+    #: Numbers of focal lengths, headings, drawn pairs of upright segments, and verticals kept.
     n_focal: int = 19
     n_heading: int = 45
     n_pairs: int = 300
     n_verticals: int = 5
-    n_voters: int = 160  #: segments that vote, those of the largest weight
-    #: Largest roll and pitch of a photo of a room, degrees, and how far a vertical line may lean in
-    #: the photo then.
+    n_voters: int = 160  #: segments that vote: those of the largest weight
+    #: Largest roll and pitch of a photo, and the largest lean in the photo of a segment that may
+    #: show a vertical line, degrees.
     max_roll_deg: float = 25.0
     max_pitch_deg: float = 35.0
     max_slant_deg: float = 45.0
-    #: Cost of an unlikely focal length (log ratio 0.3 to the prior), share of the votes.
+    #: Penalty where the log ratio of a focal length to the prior is 0.3, share of the votes; it
+    #: grows with the square of the log ratio.
     focal_penalty: float = 0.02
 
     # Refinement.
-    #: Guesses refined with their focal length free, the best of all.
+    #: Number of guesses that are refined with their focal length free: the best ones.
     n_free: int = 8
     #: Standard deviations of the priors: log focal length, pitch and roll (radians; heavy tails).
     sigma_log_focal: float = 0.35
     sigma_pitch: float = float(np.radians(12.0))
     sigma_roll: float = float(np.radians(5.0))
-    #: The same of the lens distortion (`Segments.bent_rays`), and its bounds.
+    #: Standard deviation of the lens distortion's prior (`Segments.bent_rays`), and its bounds.
     sigma_bend: float = 0.03
     bend_range: tuple[float, float] = (-0.4, 0.25)
-    #: Segments share errors (of the lens, of one texture): so many count as an independent one.
+    #: This many segments count as one: segments share errors of the lens or of one texture.
     correlation: float = 1.4
-    #: Widths of the reweighting and of the cost, in noise of a segment.
+    #: Width of the robust weight in each iteration, and of the cost, in units of a segment's noise.
     reweighting: tuple[float, ...] = (5.0, 4.0, 3.0, 2.2, 1.5, 1.5, 1.5)
     cost_width: float = 1.5
     difference: float = 1e-5  #: step of the numeric derivatives
-    agrees: float = 2.5  #: residuals that count as agreement, in noise of a segment
-    right_within: float = 1.15  #: ratio of focal lengths within which one counts as right
+    agrees: float = 2.5  #: largest residual of an inlier, in units of a segment's noise
+    right_within: float = 1.15  #: largest ratio to the true focal length that counts as right
 
-    # Belief.
-    #: A frame is believed with this many segments on the vertical and on the horizontal axes (or on
-    #: each of the horizontal ones), and this share of the segments' weight.
+    # Acceptance and confidence.
+    #: A frame is accepted with this many inlier segments on the vertical and on the horizontal axes
+    #: (or on each of the two horizontal axes), and this share of the segments' weight.
     min_vertical: int = 3
     min_horizontal: int = 5
     min_share: float = 0.30
     full_share: float = 0.7  #: share of the weight from which on a frame has full support
-    #: A focal length is measured below this standard deviation of its logarithm, which is nearly
-    #: that of the prior alone.
+    #: Largest standard deviation of the log focal length at which it counts as measured. It is
+    #: nearly that of the prior alone.
     max_log_focal_sd: float = 0.30
     #: From this confidence on a camera counts as well known: more likely than not its focal length
     #: is within 15 %.
     high_confidence: float = 0.5
-    #: A focal length of EXIF data gives way to confident vanishing points beyond this ratio: the
-    #: photo was cropped or its data are another photo's.
+    #: Confident vanishing points replace a focal length of EXIF data beyond this ratio: the photo
+    #: was cropped, or its data belong to another photo.
     exif_tolerance: float = 1.2
-    #: Factor of the confidence where the focal length is not measured at all: never high.
+    #: Factor of the confidence where the focal length is not measured; it is never high then.
     given_certainty: float = 0.49
-    exif_certainty: float = 0.95  #: the same where EXIF data give it
+    exif_certainty: float = 0.95  #: factor of the confidence where EXIF data give the focal length
 
 
 CAMERA = CameraSettings()
 
 
-SEGMENTS = "segments.parquet"  #: The segments' file in a masks folder
+SEGMENTS = "segments.parquet"  #: File of the segments in a masks folder
 
 
 def detect_segments(grey: np.ndarray) -> np.ndarray:
@@ -136,9 +136,9 @@ _ENDS = ["x1", "y1", "x2", "y2"]  #: Columns of segments.parquet that hold a seg
 class PhotoSegments:
     """Line segments of a photo, ``x1 y1 x2 y2``, the longest first; the masks stage finds them."""
 
-    size: tuple[int, int]  #: (height, width) of the reduced photo that `camera` was found in
-    camera: np.ndarray  #: (n, 4) float64, pixels of the reduced photo: they give the camera
-    #: (m, 4) float64, pixels of the photo: long ones, which give the way that a wall faces.
+    size: tuple[int, int]  #: (height, width) of the reduced photo in which `camera` was found
+    camera: np.ndarray  #: (n, 4) float64, pixels of the reduced photo: used to estimate the camera
+    #: (m, 4) float64, pixels of the photo: long segments, used to find which way a wall faces.
     walls: np.ndarray
     scale: float = 1.0  #: pixels of the photo per pixel of the reduced one
 
@@ -173,7 +173,7 @@ def write_segments(path: str | Path, segments: Mapping[str, PhotoSegments]) -> N
 
 
 def read_segments(path: str | Path, use: str) -> dict[str, np.ndarray]:
-    """Return photo -> segments (n, 4) float64, pixels, for a use: ``camera`` or ``walls``."""
+    """Return photo -> segments (n, 4) float64, pixels; `use` is ``camera`` or ``walls``."""
     table, _ = read_parquet(path)
     return {
         str(photo): rows[_ENDS].to_numpy(np.float64)
@@ -182,10 +182,10 @@ def read_segments(path: str | Path, use: str) -> dict[str, np.ndarray]:
 
 
 def border_lines(labels: np.ndarray) -> np.ndarray:
-    """Return long lines along the feet and tops of walls, however ragged; longest first.
+    """Return long lines along the feet and tops of walls, also of ragged ones; longest first.
 
     `labels` is (h, w) uint8. The lines are (n, 4) float64, ``x1 y1 x2 y2`` in pixels: least-squares
-    lines through stretches of border, at most `CAMERA.max_borders`.
+    lines through border pixels, at most `CAMERA.max_borders`.
     """
     edges = np.zeros(labels.shape, dtype=np.uint8)
     for one, other in ((WALL, FLOOR), (FLOOR, WALL), (WALL, CEILING), (CEILING, WALL)):
@@ -217,9 +217,9 @@ def border_lines(labels: np.ndarray) -> np.ndarray:
 
 
 def _refine(segment: np.ndarray, points: np.ndarray, width: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the least-squares segment through the points within `width` px, and those points.
+    """Return the least-squares segment through the points within `width` px of a segment.
 
-    The points come as a mask (n,) bool.
+    Also returns those points, as a mask (n,) bool.
     """
     start, end = segment[:2], segment[2:]
     length = float(np.linalg.norm(end - start))
@@ -240,11 +240,11 @@ def _refine(segment: np.ndarray, points: np.ndarray, width: float) -> tuple[np.n
 
 
 class Segments:
-    """Segments relative to the principal point with what every hypothesis needs of them.
+    """Segments relative to the principal point, with their lengths, slants, weights and noise.
 
-    `segments` (s, 4) float64 are ``x1 y1 x2 y2`` and `centre` is the middle of the photo, pixels;
-    `weight` (s,) is what each counts, `end_noise` (s,) or one how far its ends may be off, pixels,
-    `level` (s,) bool which are known to be horizontal in the world.
+    `segments` (s, 4) float64 are ``x1 y1 x2 y2`` and `centre` is the middle of the photo, pixels.
+    `weight` (s,) is each segment's weight. `end_noise`, (s,) or one value, is the error of the
+    ends, pixels. `level` (s,) bool tells which segments are known to be horizontal in the world.
     """
 
     def __init__(
@@ -255,9 +255,9 @@ class Segments:
         end_noise: np.ndarray | float = CAMERA.end_noise_px,
         level: np.ndarray | None = None,
     ):
-        #: (s,) radians added to a segment's angle to the vertical: known horizontal lines.
+        #: (s,) radians added to the residual to the vertical: large for known horizontal lines.
         self.off_vertical = np.zeros(len(segments)) if level is None else np.where(level, 3.0, 0.0)
-        #: Half the photo's diagonal squared: the unit of radii.
+        #: Square of half the photo's diagonal, which is the unit of radii.
         self.unit = max(centre[0] ** 2 + centre[1] ** 2, 1.0)
         shift = np.array([centre[0], centre[1]] * 2)
         self.points = segments - shift
@@ -275,10 +275,11 @@ class Segments:
         return normal[0], middle[0]
 
     def bent_rays(self, focal: np.ndarray, bend: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return n and m, both (k, s, 3) unit, for k focal lengths and lens distortions.
+        """Return plane normals n and middle rays m, both (k, s, 3) unit, for k hypotheses.
 
-        `bend` is that of the division model (Fitzgibbon, CVPR 2001): a point at radius r seen
-        through the lens belongs at ``r / (1 + bend r^2)``, r in half diagonals of the photo.
+        `focal` (k,) is in pixels. `bend` (k,) is the lens distortion of the division model
+        (Fitzgibbon, CVPR 2001): a point at radius r in the photo has the undistorted radius
+        ``r / (1 + bend r^2)``, r in half diagonals of the photo.
         """
         x1, y1, x2, y2 = self.points.T
         first = 1.0 + bend[:, None] * ((x1**2 + y1**2) / self.unit)
@@ -306,18 +307,18 @@ def sines(normal: np.ndarray, middle: np.ndarray, directions: np.ndarray) -> np.
 
 
 def residuals(normal: np.ndarray, middle: np.ndarray, directions: np.ndarray) -> np.ndarray:
-    """Return the signed angles, radians, whose :func:`sines` these are."""
+    """Return the signed angles, radians, whose sines :func:`sines` returns."""
     return np.asarray(np.arcsin(sines(normal, middle, directions)))
 
 
 def weighted_segments(
     lines: np.ndarray, size: tuple[int, int], labels: np.ndarray | None
 ) -> Segments:
-    """Return the segments (n, 4) of a photo of (height, width), and of its mask, with weights.
+    """Return the segments (n, 4) of a photo of `size` (height, width) and of its mask, weighted.
 
-    Long segments say more than short ones, borders between surfaces more than what lies on a
-    floor (herringbone, rugs) or on other things, and the many parallel segments of a pattern
-    (trellis wallpaper, diagonal tiles) less than as many single ones.
+    Long segments weigh more than short ones. Borders between surfaces weigh more than segments on a
+    floor (herringbone, rugs) or on other things. The many parallel segments of a pattern (trellis
+    wallpaper, diagonal tiles) weigh less than as many single ones.
     """
     rows, columns = size
     weight = _label_weight(lines, labels, size)
@@ -335,7 +336,7 @@ def weighted_segments(
 
 
 def _neighbours(lines: np.ndarray, columns: int) -> np.ndarray:
-    """Return how many other segments are near and nearly parallel, (n,) float64."""
+    """Return how many other segments are near and nearly parallel, Gaussian counts (n,) float64."""
     middle = (lines[:, :2] + lines[:, 2:]) / (2.0 * columns)
     along = lines[:, 2:] - lines[:, :2]
     angle = np.arctan2(along[:, 1], along[:, 0])
@@ -347,9 +348,9 @@ def _neighbours(lines: np.ndarray, columns: int) -> np.ndarray:
 def _label_weight(
     lines: np.ndarray, labels: np.ndarray | None, shape: tuple[int, int]
 ) -> np.ndarray:
-    """Return each segment's weight.
+    """Return each segment's weight by the labels on its two sides.
 
-    `CAMERA.border_weight` between wall, floor and ceiling, 1 on walls, 0.5 on floors and others.
+    `CAMERA.border_weight` between wall, floor and ceiling; 0.5 on floors and things; else 1.
     """
     if labels is None or not len(lines):
         return np.ones(len(lines))

@@ -1,10 +1,10 @@
 """Manhattan frame of a photo from its line segments: rotation and focal length together.
 
 All segments vote for the three orthogonal directions of a room at once, for every focal length of
-a grid, because one closed form from two vanishing points is lost as soon as one of them is near
-infinity. The best guesses are refined side by side, a few with the focal length free. Their costs
-give the probability of each focal length, and so the certainty of the best one: a photo that looks
-straight at a wall fits every focal length.
+a grid. (The closed form from two vanishing points fails when one of them is near infinity.) The
+best guesses are refined in parallel, a few of them with the focal length free. Their costs give the
+probability of each focal length, and so the certainty of the best one. It is low, for example, for
+a photo that looks straight at a wall, because that fits every focal length.
 
 The refinement is a Gauss-Newton iteration of our own: scipy.optimize.least_squares takes one
 hypothesis at a time and has no redescending loss.
@@ -23,7 +23,7 @@ from plan2scene.photos.camera.lines import CAMERA, Segments, residuals, sines
 
 @dataclass(frozen=True)
 class Guess:
-    """A Manhattan frame at a focal length, and the share of votes for it.
+    """A Manhattan frame at a focal length, and its score: share of the votes less a penalty.
 
     Columns of `axes` are the world's x, y (up), z in camera axes.
     """
@@ -36,9 +36,9 @@ class Guess:
 def first_guesses(
     segments: Segments, width: int, focals: np.ndarray, prior: float
 ) -> list[list[Guess]]:
-    """Return the guesses per focal length, the most consistent first.
+    """Return the guesses for each focal length, those with the best score first.
 
-    `width` of the photo, `focals` (k,) and `prior`, the most likely of them, are pixels.
+    `width` of the photo, `focals` (k,) and `prior`, the most likely focal length, are in pixels.
     """
     verticals = _verticals(segments, width, np.random.default_rng(0))
     headings = np.linspace(0.0, np.pi / 2, CAMERA.n_heading, endpoint=False)
@@ -67,7 +67,7 @@ def first_guesses(
 def _frames(
     point: np.ndarray, focal: float, headings: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return up (3,) of a vertical vanishing point and both horizontal axes (3, n) per heading."""
+    """Return the axes of a vertical vanishing point: up (3,), two level ones (3, n) by heading."""
     up = np.array([point[0], point[1], point[2] * focal])
     up *= -np.sign(up[1]) / np.linalg.norm(up)
     ahead = np.array([0.0, 0.0, 1.0]) - up[2] * up
@@ -125,7 +125,7 @@ def _distinct(points: np.ndarray, score: np.ndarray) -> np.ndarray:
     return np.array(kept)
 
 
-N_PARAMETERS, N_TURNS = 5, 3  #: Rotation vector, log focal length, bend: the turns come first
+N_PARAMETERS, N_TURNS = 5, 3  #: Rotation vector (3), log focal length, bend, in this order
 
 
 @dataclass(frozen=True)
@@ -137,15 +137,15 @@ class Manhattan:
     axes: np.ndarray
     focal: float  #: focal length, pixels
     bend: float  #: lens distortion, see `Segments.bent_rays`
-    counts: tuple[int, int, int]  #: (3,) int: Segments that agree with x, y, z
-    share: float  #: share of the segments' weight that agrees with one of the three
+    counts: tuple[int, int, int]  #: (3,) int: Number of inlier segments of x, y, z
+    share: float  #: share of the inliers of all three axes, by weight times length
     log_focal_sd: float = 0.0  #: standard deviation of log(focal) given the segments and the prior
     #: Probability that the true focal length is within `CAMERA.right_within` of `focal`.
     certainty: float = 1.0
 
 
 class _State(NamedTuple):
-    """Hypotheses: axes (k, 3, 3), log focal length (k,), distortion (k,)."""
+    """k hypotheses: axes (k, 3, 3), log focal length (k,), distortion (k,)."""
 
     axes: np.ndarray
     log_focal: np.ndarray
@@ -170,8 +170,8 @@ def fit_manhattan(
 ) -> Manhattan | None:
     """Return the best Manhattan frame and focal length, or None without enough segments.
 
-    `width` of the photo and `prior`, the focal length at the centre of its prior, are pixels. With
-    `fixed` the focal length is `prior` and only the rotation (and the distortion) is sought.
+    `width` of the photo and `prior`, the most likely focal length, are in pixels. With `fixed` the
+    focal length stays `prior`; only the rotation and the distortion are estimated.
     """
     if len(segments.points) < 8:
         return None
@@ -210,7 +210,7 @@ def refine_rotation(segments: Segments, frame: Manhattan, focal: float) -> np.nd
 
 
 def _rays(segments: Segments, state: _State) -> tuple[np.ndarray, np.ndarray]:
-    """Return normals and middles (k, s, 3) of the segments through the lens of a state."""
+    """Return plane normals and middle rays (k, s, 3) of the segments for each hypothesis."""
     return segments.bent_rays(np.exp(state.log_focal), state.bend)
 
 
@@ -220,9 +220,9 @@ def _scaled(
     nearest: np.ndarray | None = None,
     rays: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return residuals (k, s) over their noise to the nearest axis, and that axis (k, s).
+    """Return residuals (k, s) to the nearest axis, divided by their noise, and that axis (k, s).
 
-    `rays` are the state's own of :func:`_rays`, where they are known.
+    `nearest` (k, s), if given, sets the axes. `rays` are those of :func:`_rays`, if known already.
     """
     normal, middle = _rays(segments, state) if rays is None else rays
     if nearest is None:
@@ -252,7 +252,7 @@ def _priors(state: _State, prior: float) -> np.ndarray:
 
 
 def _cost(segments: Segments, state: _State, prior: float) -> np.ndarray:
-    """Return minus the log probability (k,): a segment that fits nothing costs a constant."""
+    """Return minus the log probability (k,); the cost of a segment is bounded (outliers)."""
     scaled, _ = _scaled(segments, state)
     lost = CAMERA.cost_width**2 * (1.0 - np.exp(-0.5 * (scaled / CAMERA.cost_width) ** 2))
     focal, pitch, roll, bend = _priors(state, prior).T
@@ -303,7 +303,7 @@ def _jacobian(
         step = np.zeros(N_PARAMETERS)
         step[index] = CAMERA.difference
         ahead, behind = state.turned(step), state.turned(-step)
-        same = rays if index < N_TURNS else None  # a turn leaves the lens as it is
+        same = rays if index < N_TURNS else None  # a rotation does not change the camera's rays
         change = _scaled(segments, ahead, nearest, same)[0]
         change = change - _scaled(segments, behind, nearest, same)[0]
         columns.append(change / (2 * CAMERA.difference))
@@ -316,7 +316,7 @@ def _certainty(
 ) -> tuple[float, float]:
     """Return the standard deviation of log(focal) and the probability that the best is right.
 
-    The cost between hypotheses is interpolated; of those at one focal length the cheapest counts.
+    The cheapest hypothesis at a focal length counts; between focal lengths costs are interpolated.
     """
     kept: list[tuple[float, float]] = []
     for index in np.argsort(log_focal, kind="stable"):
@@ -335,7 +335,7 @@ def _certainty(
 
 
 def _describe(segments: Segments, state: _State) -> Manhattan:
-    """Return the only hypothesis of a state with its support."""
+    """Return the hypothesis of a state with k = 1 as a frame, with its inliers."""
     scaled, nearest = (values[0] for values in _scaled(segments, state))
     fits = np.abs(scaled) < CAMERA.agrees
     weight = segments.weight * segments.length

@@ -24,9 +24,9 @@ def planes_of_photo(
     rooms: Sequence[Room],
     camera_height_m: float = PLANES.camera_height_m,
 ) -> list[PhotoPlane]:
-    """Return the planes of a photo without a known place, once for its rooms of each size.
+    """Return the planes of a photo that is not located, once for each size of its rooms.
 
-    The others as of :func:`plan2scene.photos.planes.planes.split_planes`.
+    The other parameters are those of :func:`plan2scene.photos.planes.planes.split_planes`.
     """
     by_size: dict[RoomSize, list[str]] = {}
     for room in rooms:
@@ -55,11 +55,11 @@ def candidates_of_photo(
 ) -> list[Candidate]:
     """Return the windows drawn on the planes of one photo.
 
-    `image` (h, w, 3) uint8 sRGB; `camera` in whose frame the planes are; `rng` gives the generator
-    of a plane by its surface and number; `inner` the pixels (h, w) bool of each plane that lie off
-    its border. Planes of the same number (for rooms of another size) share one count of candidates,
-    so that crops of different images have different names. Of rooms behind a door only good
-    candidates count: what is seen from afar is no last resort.
+    `image` is (h, w, 3) uint8 sRGB; the planes are in the frame of `camera`; `rng` returns the
+    random generator of a plane's surface and number; `inner` are the pixels (h, w) bool of each
+    plane that lie off its border. Planes of the same surface and number (for rooms of different
+    sizes) share one count of candidates, so that different crops have different names. Of rooms
+    behind a door only good candidates are kept, since they are seen from afar.
     """
     candidates: list[Candidate] = []
     count: Counter[tuple[str, int]] = Counter()
@@ -87,7 +87,7 @@ def candidates_of_plane(
     rng: np.random.Generator,
     inner: np.ndarray,
 ) -> list[Candidate]:
-    """Return the windows drawn on a plane; near its border only when none in `inner` is good."""
+    """Return the windows drawn on a plane; near its border only if no inner window is good."""
     if not settings.filter:
         return sample_candidates(image, camera, plane, rng, settings)
     inside = replace(plane, mask=inner)
@@ -98,6 +98,6 @@ def candidates_of_plane(
         judge = judge_of(plane.surface, inside=False)
         for candidate in sample_candidates(image, camera, plane, rng, few, judge):
             candidates.append(_renumbered(candidate, len(candidates)))
-    if plane.scale_source == "prior":  # no other window of the plane would be better
+    if plane.scale_source == "prior":  # holds for every window of the plane
         candidates = [with_reason(candidate, Reason.UNKNOWN_DISTANCE) for candidate in candidates]
     return candidates

@@ -1,7 +1,7 @@
 """The colours that a photo shows of its planes and of the surfaces of its rooms.
 
-Clipped pixels and the borders of masks are left out. Steep views, which show less glare and more
-of a surface, count more.
+Clipped pixels and the borders of masks are left out. Steep views weigh more, because they show less
+glare and more of a surface.
 """
 
 from __future__ import annotations
@@ -18,12 +18,13 @@ from plan2scene.photos.crops.filter import inner_mask, unclipped
 from plan2scene.photos.labels.palette import CEILING, FLOOR, OTHER, WALL
 from plan2scene.photos.planes.planes import PhotoPlane
 
-MIN_PIXELS = 200  #: Planes of fewer pixels are left out
-MOST_PIXELS = 20000  #: At most about so many pixels of a plane are used
-#: Surfaces smaller than this share of the photo are left out, and those of which less than the
-#: second share is usable.
+MIN_PIXELS = 200  #: Planes with fewer pixels are left out
+MOST_PIXELS = 20000  #: At most about this many pixels of a plane are used
+#: A surface is left out if its usable pixels are less than the first share of the photo, or less
+#: than the second share of the surface.
 MIN_SHARE, MIN_USABLE = 0.005, 0.2
-#: Width of a window's frame as a share of the photo's, and how likely its pixels are of a window.
+#: Side of the square that widens walls to reach window frames (so the reach is half of it), share
+#: of the photo's width; least probability that a pixel of a frame belongs to a window.
 FRAME_WIDTH, FRAME_LIKELY = 0.01, 0.78
 _LABELS = {"floor": FLOOR, "wall": WALL, "ceiling": CEILING}
 
@@ -35,7 +36,7 @@ def colours_of_photo(
     photo: str,
     inner: Sequence[np.ndarray],
 ) -> list[PlaneColours]:
-    """Return what a photo, image (h, w, 3) uint8 sRGB, shows of each of its planes.
+    """Return the colours of each plane in a photo; `image` is (h, w, 3) uint8 sRGB.
 
     `inner` are the pixels (h, w) bool of each plane that lie off its border.
     """
@@ -52,7 +53,7 @@ def colours_of_photo(
         rows, columns = rows[few], columns[few]
         rays = camera.rays_at(rows, columns)
         steep = (rays @ np.asarray(plane.normal)) ** 2 / (rays**2).sum(axis=1)
-        # Where the place is not known any of the table's rooms may be meant.
+        # A photo that is not located may show any of its rooms, so they share the weight.
         weight = share * float(steep.mean()) / (count if item.own else 1)
         shares = equal_shares(srgb_to_linear(image[rows, columns]), steep)
         facts = photo, item.rooms, plane.surface, plane.index, item.own, item.walls
@@ -67,9 +68,10 @@ def _joinery(
     room_id: str,
     facts: tuple[str, int, tuple[str, ...]],
 ) -> list[PlaneColours]:
-    """Return the colours of pixels (n, 2) of row and column of a photo; none of too few.
+    """Return the colours of some pixels of a photo; none if there are too few.
 
-    `facts` are surface, number and walls of :class:`PlaneColours`.
+    `places` (n, 2) are their rows and columns; `facts` are surface, number and walls of
+    :class:`PlaneColours`.
     """
     linear = srgb_to_linear(image[tuple(places.T)])
     if len(linear) < MIN_PIXELS:
@@ -83,11 +85,11 @@ def _joinery(
 def door_colours(
     image: np.ndarray, photo: str, room_id: str, doors: Iterable[tuple[str, np.ndarray]]
 ) -> list[PlaneColours]:
-    """Return what a photo, image (h, w, 3) uint8 sRGB, shows of door leaves.
+    """Return the colours of door leaves in a photo; `image` is (h, w, 3) uint8 sRGB.
 
-    `doors` are opening ids and pixels (n, 2) as of
-    :func:`plan2scene.photos.locate.seen_doors.seen_doors`. The id stands among the walls, where it
-    is known.
+    `doors` are opening ids and pixels (n, 2) from
+    :func:`plan2scene.photos.locate.seen_doors.seen_doors`. The id, empty if unknown, takes the
+    place of the wall's in `PlaneColours.walls`.
     """
     usable = unclipped(image)
     observed = []
@@ -100,10 +102,10 @@ def door_colours(
 def frame_colours(
     image: np.ndarray, labels: np.ndarray, windows: np.ndarray, photo: str, room_id: str
 ) -> list[PlaneColours]:
-    """Return what a photo, image (h, w, 3) uint8 sRGB, shows of windows beside walls: frames.
+    """Return the colours of window frames, the strips of windows beside walls, in a photo.
 
-    `labels` (h, w) uint8 as of :func:`surface_colours`, `windows` (h', w') float is how likely each
-    pixel is of a window, at any resolution.
+    `image` is (h, w, 3) uint8 sRGB; `labels` (h, w) uint8 as in :func:`surface_colours`; `windows`
+    (h', w') float is the probability that a pixel belongs to a window, at any resolution.
     """
     height, width = labels.shape
     likely = cv2.resize(windows.astype(np.float32), (width, height)) >= FRAME_LIKELY
@@ -122,7 +124,7 @@ def surface_colours(
     """Return the median colours of the surfaces of a photo, for each room that it shows.
 
     `image` (h, w, 3) uint8 sRGB, `labels` (h, w) uint8 (0 other, 1 floor, 2 wall, 3 ceiling),
-    `edges` (h, w) bool as of :func:`plan2scene.photos.crops.filter.strong_edges`.
+    `edges` (h, w) bool from :func:`plan2scene.photos.crops.filter.strong_edges`.
     """
     usable = unclipped(image)
     observed = []

@@ -1,4 +1,4 @@
-"""The crops stage: photos, masks and places of a house -> its crops, planes, colours, light."""
+"""The crops stage: photos, masks and camera poses of a house -> crops, planes, colours, light."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ _CROP_NAME = re.compile(r"(?P<stem>.+)_(?P<mask>\d+)_crop(?P<index>\d+)\.png")
 
 @dataclass(frozen=True)
 class CropFiles:
-    """What the stage writes: four Parquet files and light.json, ``docs/conventions.md``."""
+    """Files that the stage writes: four Parquet files and light.json (``docs/conventions.md``)."""
 
     crops: str | Path
     candidates: str | Path
@@ -80,27 +80,27 @@ class CropFiles:
 
 @dataclass(frozen=True, eq=False)
 class PhotoCrops:
-    """What a photo gives."""
+    """What the stage takes from one photo."""
 
     candidates: list[Candidate]
     #: Rows of planes.parquet.
     planes: list[dict[str, Any]]
     colours: list[PlaneColours]
-    floors: list[PlaneColours]  #: of its floors in parts (:func:`floor_parts`)
+    floors: list[PlaneColours]  #: colours of the parts of its floors (:func:`floor_parts`)
     surfaces: list[SurfaceColour]
 
 
 @dataclass(frozen=True, eq=False)
 class HouseCrops:
-    """What the photos of a house give."""
+    """What the stage takes from all photos of a house."""
 
     candidates: list[Candidate]
     #: Rows of planes.parquet.
     planes: list[dict[str, Any]] = field(default_factory=list)
     colours: list[PlaneColours] = field(default_factory=list)
-    #: Photo -> gains (3,), as of :func:`plan2scene.paint.light.house_gains`.
+    #: Photo -> gains (3,) of :func:`plan2scene.paint.light.house_gains`.
     gains: dict[str, np.ndarray] = field(default_factory=dict)
-    #: Whether the crops come from a folder: they keep their candidates' numbers.
+    #: Whether the crops come from a folder; they keep their candidates' numbers then.
     precomputed: bool = False
 
 
@@ -130,12 +130,12 @@ def crops_of_house(
 ) -> HouseCrops:
     """Sample the crops of a house's photos.
 
-    A photo of several rooms (`rooms_of_photo`, ``photo_rooms.json``) gives rows for each, with the
-    planes at the distance that each room's own height gives. `masks_dir` is the output of the masks
-    stage; photos that it left out (``warnings.json``) are skipped. Windows are drawn by (seed,
-    house, photo, surface, plane). With `cameras` (``cameras.json`` of the places stage) located
-    photos give each room in sight its own crops. `threads` photos are worked on at a time; the
-    result does not depend on it.
+    A photo that is assigned to several rooms (`rooms_of_photo`, ``photo_rooms.json``) gives rows
+    for each of them; each room's height and extent give the distances of its planes. `masks_dir` is
+    the output of the masks stage; photos that it left out (``warnings.json``) are skipped. The
+    random draws are seeded by (seed, house, photo, surface, plane). With `cameras`
+    (``cameras.json`` of the places stage) a located photo gives each room in sight its own crops.
+    The result does not depend on the number of `threads`.
     """
     masks_dir = Path(masks_dir)
     known = read_stage_json(masks_dir / "cameras.json", "cameras")
@@ -190,7 +190,7 @@ def _crops_of_photo(
     settings: CropSettings,
     left_out: Collection[int] = (),
 ) -> PhotoCrops:
-    """Return what one photo gives; `left_out` are numbers of parts of its floors."""
+    """Return the crops of one photo; `left_out` are numbers of floor parts that are not used."""
     camera = Camera.from_json(known[photo], file=masks_dir / "cameras.json")
     labels = read_label_png(masks_dir / f"{Path(photo).stem}.png", house_id=house.id)
     image = read_photo(path, house_id=house.id)
@@ -240,7 +240,7 @@ def read_precomputed_crops(
     rooms_of_photo: Mapping[str, Sequence[str]],
     folder: str | Path,
 ) -> HouseCrops:
-    """Return precomputed crops in Rent3D++'s ``surface_crops`` layout.
+    """Read precomputed crops from a folder in Rent3D++'s ``surface_crops`` layout.
 
     `folder` has ``{floor,wall,ceiling}/{photo stem}_{mask}_crop{k}.png`` of 128x128; their size
     in metres, window, sharpness and grazing angle are unknown (NaN). Raises InputError when
@@ -272,7 +272,7 @@ def read_precomputed_crops(
 def _check_sizes(
     image: np.ndarray, labels: np.ndarray, camera: Camera, path: Path, house_id: str
 ) -> None:
-    """Raise InputError when photo, mask and camera are of different sizes."""
+    """Raise InputError when photo, mask and camera have different sizes."""
     height, width = image.shape[:2]
     if labels.shape != (height, width) or (camera.height, camera.width) != (height, width):
         expected = f"mask and camera of the photo's size {width}x{height}"

@@ -1,9 +1,9 @@
 """Filter of windows: which of them show their surface and nothing else.
 
-The paper draws windows anywhere inside a mask. Masks of real photos have uncertain borders, and
-what they cover has highlights, shadows and things in front. Each test here is a pure function of
-the window, its plane or its photo; a window that fails gets a reason, and crops.parquet leaves it
-out where the surface has better ones. Colours are CIE L*a*b* (D65), luminance is linear.
+The paper draws windows anywhere inside a mask. But masks of real photos have uncertain borders, and
+their surfaces have highlights, shadows and things in front. Each test here is a pure function of
+the window, its plane or its photo. A window that fails gets a reason, and crops.parquet leaves it
+out if the surface has better ones. Colours are CIE L*a*b* (D65), luminance is linear.
 """
 
 from __future__ import annotations
@@ -36,76 +36,78 @@ class FilterSettings:
     """
 
     # Borders.
-    #: Margin to the mask's border, share of the photo's width.
+    #: Margin between windows and the mask's border, share of the photo's width.
     margin_share: float = 0.01
-    #: The same where the photo shows no edge at the border, so that it may run anywhere.
+    #: The same where the photo shows no edge at the border, so that its position is uncertain.
     blind_margin_share: float = 0.025
-    #: Grey levels per pixel (Sobel on a photo blurred by 1 px) that make an edge.
+    #: Least gradient of an edge, grey levels per pixel (Sobel on a photo blurred by 1 px).
     edge_gradient: float = 6.0
 
     # Highlights.
-    #: Largest share of burned out or black pixels of a window.
+    #: Largest share of overexposed or black pixels of a good window.
     clipped_share: float = 0.001
 
     # Things that stand out among the mean colours of a crop's blocks.
-    #: Small blocks, then large ones, which look for colours, since light leaves those alone: blocks
-    #: along a side, weight of L*, least distance of an outlier (L*a*b*), multiple of the blocks'
-    #: own spread that is added to it, and the sum of distances (in those of an outlier) of a thing.
+    #: Small blocks, then large ones, which mainly compare chroma, since light changes it little.
+    #: Each: blocks along a side; weight of L*; least distance of an outlier (L*a*b*); multiple of
+    #: the blocks' spread that is added to it; least sum, over the blocks of a thing, of distance
+    #: divided by this outlier distance.
     block_scales: tuple[tuple[int, float, float, float, float], ...] = (
         (32, 1.0, 3.0, 5.0, 2.5),
         (8, 0.3, 2.0, 3.0, 3.0),
     )
-    #: Share of all that stands out that a thing has in one piece; what patterns have is scattered.
+    #: Least share of the outliers (by distance) in the largest piece; patterns are scattered.
     one_piece: float = 0.6
-    #: Sides in small blocks of what is a thing on a floor: joints are thinner.
+    #: Least width of a thing on a floor, in small blocks: joints are thinner.
     thing_blocks: int = 3
-    #: A window's mean colour is unlike those of all windows of the plane beyond this distance
-    #: (L*a*b*, L* halved), plus this multiple of their spread.
+    #: A window is unlike its plane where its mean colour is farther from the median over all
+    #: windows than this distance (L*a*b*, L* halved) plus this multiple of their spread.
     window_limit: float = 8.0
     window_spread: float = 5.0
 
     # Shadows.
-    #: Step of log luminance, after smooth shading is taken away, that is a shadow's edge.
+    #: Least range of log luminance in a crop with a shadow's edge, after removing smooth shading.
     shadow_step: float = 0.2
-    #: Least change of log luminance over an eighth of a crop that is an edge, not shading.
+    #: Least change of log luminance over an eighth of a crop for an edge; less is shading.
     edge_step: float = 0.12
     shadow_chroma: float = 6.0  #: difference in a*b* above which a step is a thing, not a shadow
-    step_pieces: int = 3  #: most pieces into which a step divides a window; patterns have more
-    #: A shadow's edge explains this share of what a crop's log luminance varies by, or is this many
-    #: times the fine texture's standard deviation; planks of two shades do neither.
+    step_pieces: int = 3  #: largest number of pieces of a window with one step; patterns have more
+    #: A step counts if it explains this share of the variance of the crop's log luminance, or is
+    #: this many times the fine texture's standard deviation; planks of two shades do neither.
     step_share: float = 0.75
     step_textures: float = 5.0
 
     # Sharpness.
-    #: Least photo pixels per crop pixel of a good crop; or, since a window is the smaller the
-    #: nearer its edge is, photo pixels per metre along the view, where they are fewest.
+    #: A crop is sharp with this many photo pixels per crop pixel, or (for any size of the window)
+    #: with this many photo pixels per metre along the view, the direction with the fewest.
     min_sharpness: float = 0.5
     min_density: float = 100.0
-    #: Least angle between view and plane, degrees; flatter views down to the second angle are as
-    #: good while they have this many photo pixels along the view per crop pixel.
+    #: Least angle between view and plane, degrees. Flatter views down to the second angle are good,
+    #: too, if they have this many photo pixels per crop pixel along the view.
     min_grazing_deg: float = 20.0
     least_grazing_deg: float = 16.0
     flat_sharpness: float = 0.45
 
     # The photos of a surface against each other.
-    #: Groups of a surface's windows farther than this from most of the others (L*a*b*, L* halved)
-    #: are of something else.
+    #: Groups of a surface's windows farther than this (L*a*b*, L* halved) from the colour of the
+    #: majority show something else.
     group_limit: float = 10.0
     majority: float = 0.6  #: least share of a surface's windows that can outvote the rest
-    #: Windows of a wall that vary by at least this much (L*a*b*, :func:`unrest`) show pictures or
-    #: shelves, those of a floor a patterned rug, where others of the room vary by less than this
-    #: share of it. Rendered walls of the demo vary by 2 at most, real panelling by 2 to 7, framed
-    #: pictures by 14; floors of six real homes by 5 at most, two rugs there by 9 and 12.
+    #: (least variation, share): windows that vary by at least the first (L*a*b*, :func:`unrest`)
+    #: show pictures or shelves on a wall, a patterned rug on a floor, if another group of the
+    #: surface varies by at most the second times that. Rendered walls of the demo vary by 2 at
+    #: most, real panelling by 2 to 7, framed pictures by 14; floors of six real homes by 5 at most,
+    #: two rugs there by 9 and 12.
     restless_wall: tuple[float, float] = (10.0, 0.4)
     restless_floor: tuple[float, float] = (7.0, 0.5)
-    looked_at: int = 5  #: windows of a group that are looked at
+    looked_at: int = 5  #: largest number of windows of a group whose variation is measured
 
 
 FILTER = FilterSettings()
 
 
 def unclipped(image: np.ndarray) -> np.ndarray:
-    """Return which pixels (h, w) bool of (h, w, 3) uint8 sRGB are neither black nor too bright."""
+    """Return the pixels (h, w) bool of a (h, w, 3) uint8 sRGB image that are not clipped."""
     low, high = CLIPPED_LEVELS
     red, green, blue = cv2.split(image)
     brightest = np.maximum(np.maximum(red, green), blue)  # thirty times as fast as max(axis=2)
@@ -113,9 +115,9 @@ def unclipped(image: np.ndarray) -> np.ndarray:
 
 
 def strong_edges(image: np.ndarray) -> np.ndarray:
-    """Return which pixels (h, w) bool of a photo (h, w, 3) uint8 sRGB lie by an edge.
+    """Return which pixels (h, w) bool of a photo (h, w, 3) uint8 sRGB lie near an edge.
 
-    As near as the border of a mask may be to the edge that it follows.
+    Near is within half of `FILTER.margin_share`: a mask's border may be so far from its edge.
     """
     grey = cv2.GaussianBlur(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), (0, 0), 1.0)
     slope = [cv2.Sobel(grey, cv2.CV_32F, dx, 1 - dx, scale=0.125) for dx in (1, 0)]
@@ -125,10 +127,10 @@ def strong_edges(image: np.ndarray) -> np.ndarray:
 
 
 def inner_mask(mask: np.ndarray, edges: np.ndarray) -> np.ndarray:
-    """Return the pixels (h, w) bool of a mask far enough from its border.
+    """Return the pixels (h, w) bool of a mask that are far enough from its border.
 
-    The margin is less where `edges`, the photo's :func:`strong_edges`, are at the border. The
-    photo's frame is no border.
+    The margin is smaller where the border lies on `edges`, the photo's :func:`strong_edges`. The
+    photo's frame does not count as a border.
     """
     margin, blind_margin = (
         share * mask.shape[1] for share in (FILTER.margin_share, FILTER.blind_margin_share)
@@ -147,7 +149,7 @@ def inner_mask(mask: np.ndarray, edges: np.ndarray) -> np.ndarray:
 def judge_of(surface: str, *, inside: bool) -> Judge:
     """Return the judge of the windows of one plane of a surface (floor, wall, ceiling).
 
-    `inside` tells that they keep off its border.
+    `inside` tells whether the windows keep off the plane's border.
     """
     typical: dict[tuple[int, int, int], tuple[np.ndarray, float]] = {}
 
@@ -159,7 +161,7 @@ def judge_of(surface: str, *, inside: bool) -> Judge:
         against = {
             Reason.CLUTTER: is_unlike(patch, *typical[key]),
             Reason.BORDER: not inside,
-            # Pictures may hang as regularly as a pattern: smaller windows show what is between.
+            # Pictures may hang as regularly as a pattern: smaller windows show the wall between.
             Reason.RESTLESS: surface == "wall" and unrest(crop.image) >= FILTER.restless_wall[0],
             Reason.BLURRED: is_blurred(crop),
             Reason.OBLIQUE: is_oblique(crop),
@@ -178,13 +180,13 @@ def with_reason(candidate: Candidate, reason: Reason) -> Candidate:
 
 
 def is_blurred(crop: Crop) -> bool:
-    """Tell whether a crop has few photo pixels both for its own pixels and for a metre."""
+    """Tell whether a crop has too few photo pixels, both per crop pixel and per metre."""
     along = crop.sharpness * CROP_PX / crop.size_m * flattening(crop)
     return crop.sharpness < FILTER.min_sharpness and along < FILTER.min_density
 
 
 def is_oblique(crop: Crop) -> bool:
-    """Tell whether a crop is seen so flat that it is smeared along the view."""
+    """Tell whether a crop is seen at so flat an angle that it is smeared along the view."""
     if crop.grazing_deg >= FILTER.min_grazing_deg:
         return False
     return (
@@ -194,14 +196,14 @@ def is_oblique(crop: Crop) -> bool:
 
 
 def flattening(crop: Crop) -> float:
-    """Return a crop's photo pixels along the view over the mean of both directions."""
+    """Return a crop's density of photo pixels along the view over the mean of both directions."""
     return float(np.sqrt(np.sin(np.radians(crop.grazing_deg))))
 
 
 def image_reasons(image: np.ndarray, *, joints: bool = False) -> list[Reason]:
     """Return what is wrong with a crop (n, n, 3) uint8 sRGB by itself: highlight, clutter, ...
 
-    `joints` as of :func:`has_object`.
+    `joints` is passed to :func:`has_object`.
     """
     reasons = []
     if clipped_share(image, CLIPPED_LEVELS) > FILTER.clipped_share:
@@ -215,10 +217,10 @@ def image_reasons(image: np.ndarray, *, joints: bool = False) -> list[Reason]:
 
 
 def has_object(image: np.ndarray, *, joints: bool = False) -> bool:
-    """Tell whether blocks in one piece stand out from the rest of a crop.
+    """Tell whether connected blocks of a crop differ from the rest.
 
-    Smooth shading is taken away first. Patterns raise the blocks' own spread, or stand out in
-    many pieces; with `joints` what is thin belongs to a pattern, too.
+    Smooth shading is removed first. Patterns are no objects: they raise the spread of all blocks,
+    or their outliers are in many pieces. With `joints` thin outliers count as a pattern, too.
     """
     for blocks, weight, limit, multiple, thing in FILTER.block_scales:
         small = cv2.resize(image, (blocks, blocks), interpolation=cv2.INTER_AREA)
@@ -238,7 +240,7 @@ def has_object(image: np.ndarray, *, joints: bool = False) -> bool:
 
 
 def step_of(image: np.ndarray) -> Reason | None:
-    """Return `SHADOW` or `CLUTTER` when one step of luminance divides a crop, else None."""
+    """Return `SHADOW` or `CLUTTER` if one step of luminance divides a crop, else None."""
     small = cv2.resize(image, (64, 64), interpolation=cv2.INTER_AREA)
     smooth = cv2.GaussianBlur(small, (0, 0), 2.0)
     fine, log = (
@@ -271,9 +273,9 @@ def step_of(image: np.ndarray) -> Reason | None:
 
 
 def window_colours(rectified: RectifiedPlane, side: int) -> tuple[np.ndarray, float]:
-    """Return the median mean colour (3,), L* counted half, of a plane's windows and its spread.
+    """Return the median (3,), with L* halved, of the colours of a plane's windows, and the spread.
 
-    The spread is the median distance from it.
+    A window's colour is its mean colour. The spread is the median distance from the median.
     """
     rows, columns = np.nonzero(rectified.places(side))
     pick = slice(None, None, max(1, len(rows) // 400))
@@ -286,7 +288,7 @@ def window_colours(rectified: RectifiedPlane, side: int) -> tuple[np.ndarray, fl
 
 
 def is_unlike(patch: np.ndarray, middle: np.ndarray, spread: float) -> bool:
-    """Tell whether a window's mean colour is far from those of its plane."""
+    """Tell whether a window's mean colour is far from the result of :func:`window_colours`."""
     lab = rgb_to_lab(patch.reshape(-1, 3).mean(axis=0) / 255.0) * np.array([0.5, 1.0, 1.0])
     return bool(np.linalg.norm(lab - middle) > FILTER.window_limit + FILTER.window_spread * spread)
 
@@ -294,9 +296,9 @@ def is_unlike(patch: np.ndarray, middle: np.ndarray, spread: float) -> bool:
 def outvoted(colours: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Tell which groups of windows of one surface look unlike most of the others.
 
-    `colours` (n, 3) are the L*a*b* of each group (a plane of a photo) under the common light,
-    `weights` (n,) the windows of each. Returns (n,) bool, all False where no colour has a clear
-    majority: a wardrobe taken for a wall can be told by the room's other walls only.
+    `colours` (n, 3) are the L*a*b* of each group (a plane of a photo) without the photo's light,
+    `weights` (n,) the number of its windows. Returns (n,) bool, all False where no colour has a
+    clear majority. This finds, for example, a wardrobe that was labelled as a wall.
     """
     points = colours * np.array([0.5, 1.0, 1.0])
     distance = np.linalg.norm(points[:, None] - points[None], axis=-1)
@@ -308,11 +310,11 @@ def outvoted(colours: np.ndarray, weights: np.ndarray) -> np.ndarray:
 
 
 def restless(unrests: np.ndarray, least: float, share: float) -> np.ndarray:
-    """Tell which groups (n,) of windows of a room's walls or floor show things, as a bool for each.
+    """Tell which groups of windows of a room's walls or floor show things, (n,) bool.
 
-    A wallpaper or tiles are on the room's other walls, too; framed pictures hang on one. The
-    calmest group tells what they are like: it varies by less than `share` of those that vary by
-    `least` or more.
+    `unrests` (n,) is how much each group varies. A group shows things if it varies by at least
+    `least` and the calmest group by at most `share` of that: wallpaper or tiles are on the room's
+    other walls, too, but framed pictures hang on one.
     """
     return np.asarray((unrests.min() <= share * unrests) & (unrests >= least))
 
@@ -320,11 +322,11 @@ def restless(unrests: np.ndarray, least: float, share: float) -> np.ndarray:
 def mark_outvoted(
     candidates: Sequence[Candidate], lights: Mapping[str, np.ndarray]
 ) -> list[Candidate]:
-    """Return the candidates of a house; those that their surface outvotes get that reason.
+    """Return the candidates of a house; those that their surface outvotes get `UNLIKE`.
 
-    Windows without grave reasons vote, one group per plane of a photo, in the photos' own colours.
-    `lights` (3,), linear RGB, are divided out before colours are compared. Groups that show things
-    before a wall or on a floor get `CLUTTER`.
+    Windows without grave reasons vote, one group per plane of a photo. Each photo's light in
+    `lights`, (3,) linear RGB, is divided out before colours are compared. Groups that show things
+    in front of a wall or on a floor get `CLUTTER`.
     """
     groups: dict[tuple[str, str], dict[tuple[str, int], list[int]]] = {}
     for number, candidate in enumerate(candidates):

@@ -1,4 +1,4 @@
-"""Floors of two rooms in one photo, as through an open door: which part is the room's."""
+"""Floors of two rooms in one photo, for example through an open door: which part is the room's."""
 
 from __future__ import annotations
 
@@ -15,10 +15,11 @@ from plan2scene.photos.planes.planes import PhotoPlane
 
 
 def floor_parts(item: PhotoPlane, image: np.ndarray) -> list[PhotoPlane]:
-    """Return a plane; a floor with pieces like wood and others as these two, numbered on.
+    """Return a plane; a floor of several pieces is divided into those like wood and the others.
 
-    Differences of light alone make no parts. A photo's place gives the floor of each room already.
-    `image` (h, w, 3) uint8 sRGB.
+    The parts are numbered from the plane's number on. Differences of light alone do not divide a
+    floor. Floors of located photos stay as they are: the plan gives each room's. `image` is
+    (h, w, 3) uint8 sRGB.
     """
     plane = item.plane
     count, number = cv2.connectedComponents(plane.mask.astype(np.uint8), connectivity=4)
@@ -34,10 +35,11 @@ def floor_parts(item: PhotoPlane, image: np.ndarray) -> list[PhotoPlane]:
 def of_other_rooms(
     colours: Sequence[PlaneColours], lights: Mapping[str, np.ndarray]
 ) -> dict[str, list[int]]:
-    """Return by photo the numbers of parts of floors that other photos of the room speak against.
+    """Return by photo the numbers of floor parts that belong to other rooms.
 
-    Most of these show wood where it is none, or none where it is wood, none of them a floor like
-    it, and another part agrees with them. `lights` (3,), linear RGB by photo, are divided out.
+    All of this must hold: no other photo of the room shows a floor of a colour like the part's;
+    most of them show wood where the part is none, or none where it is wood; another part in the
+    same photo agrees with them. `lights` (3,), linear RGB by photo, are divided out.
     """
     floors = [seen for seen in colours if seen.surface == "floor" and seen.own]
     linear = [usual_colour([f.colours], [1.0]) / lights.get(f.photo, np.ones(3)) for f in floors]

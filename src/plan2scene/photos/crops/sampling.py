@@ -2,7 +2,7 @@
 
 Paper: up to 10 random 256x256 windows fully inside the rectified mask (upscaled by 3), at most
 1000 tries each, resized to 128x128; the reference crop of a surface is the medoid. Here windows
-are squares in metres, so that a crop knows its scale.
+are squares in metres, so that the scale of a crop is known.
 
 Terms: a *window* is a square on a plane. A *candidate* is a window that was drawn, with its crop
 and the verdict of the filter. *Selected* candidates are the crops of crops.parquet, the *crop
@@ -26,10 +26,10 @@ from plan2scene.photos.planes.planes import Plane
 from plan2scene.photos.planes.rectification import RectifiedPlane, plane_pixels, rectify
 from plan2scene.photos.planes.walls import PLANES
 
-GRAVE = 1.0  #: Score of a window that may show something else than its surface
-#: The reasons of a crop that is selected for want of a better one begin with this.
+GRAVE = 1.0  #: From this score on a window may show something else than its surface
+#: Prefix of the reasons of a bad window that is selected because its surface has no good one.
 _LAST_RESORT = "last resort: "
-ENOUGH = "enough others"  #: The reason of a good window that is no crop
+ENOUGH = "enough others"  #: Reason of a good window that is not selected
 
 
 class Reason(StrEnum):
@@ -40,7 +40,7 @@ class Reason(StrEnum):
     UNLIKE = "unlike the rest"
     HIGHLIGHT = "highlight"
     SHADOW = "shadow edge"
-    # From here on the window shows its surface, but poorly.
+    # With the following reasons the window shows its surface, but poorly.
     RESTLESS = "restless"
     BLURRED = "not sharp"
     OBLIQUE = "oblique"
@@ -54,17 +54,17 @@ _GRAVE_REASONS = tuple(Reason)[:5]
 class Verdict:
     """What is wrong with a window, if anything."""
 
-    reasons: tuple[Reason, ...] = ()  #: from the worst to the mildest; empty for a good one
-    #: Orders rejected windows: where a surface has no good one, those of least score are selected.
-    #: From `GRAVE` on a window may not show the surface.
+    reasons: tuple[Reason, ...] = ()  #: from the worst to the mildest; empty for a good window
+    #: Order of rejected windows, larger is worse: where a surface has no good window, those of the
+    #: lowest score are selected. From `GRAVE` on a window may not show the surface.
     score: float = 0.0
 
     @classmethod
     def of(cls, reasons: Iterable[Reason], sharpness: float) -> Verdict:
         """Return the verdict on a window for these reasons, in any order.
 
-        Any grave reason weighs more than all mild ones; of equals the sharper crop (`sharpness`
-        in photo pixels per crop pixel) is better.
+        Any grave reason weighs more than all mild ones. For the same reasons a sharper crop
+        (`sharpness` in photo pixels per crop pixel) has a lower score.
         """
         against = set(reasons)
         if not against:
@@ -92,7 +92,7 @@ class Verdict:
 def reason_text(verdict: Verdict, *, selected: bool) -> str:
     """Return the cell ``reason`` of candidates.parquet: empty for a good crop.
 
-    `selected` tells a crop from a window that is none.
+    `selected` tells whether the window became a crop.
     """
     if verdict.good and not selected:
         return ENOUGH
@@ -110,14 +110,14 @@ CROP_PX = 128  #: Side of a crop, pixels (paper section 5.2)
 
 @dataclass(frozen=True)
 class CropSettings:
-    """How windows are drawn, as a configuration may say (``crops``)."""
+    """How windows are drawn; a configuration can set these fields (``crops``)."""
 
-    #: Sides of the windows, metres; the first that gives a good one on a plane is taken.
+    #: Sides of the windows, metres, tried in this order until a plane has a good window.
     sizes_m: tuple[float, ...] = (1.0, 0.75, 0.5, 0.35)
-    #: Most good crops of a plane, and most draws for each (paper section 5.2).
+    #: Largest number of good crops of a plane, and of random draws for each (paper section 5.2).
     per_mask: int = 10
     tries: int = 1000
-    #: The prior of :func:`plan2scene.photos.planes.planes.split_planes`, metres.
+    #: Prior of the camera's height (`plan2scene.photos.planes.planes.split_planes`), metres.
     camera_height_m: float = PLANES.camera_height_m
     #: Whether windows are judged by :mod:`plan2scene.photos.crops.filter`.
     filter: bool = True
@@ -128,15 +128,15 @@ CROPS = CropSettings()
 
 @dataclass(frozen=True)
 class SamplingSettings:
-    """How windows are drawn and cut. Without a source: chosen on the synthetic homes."""
+    """How windows are drawn and cut. Fields that name no source: chosen on the synthetic homes."""
 
-    #: Most crop pixels per photo pixel (paper: 256 px windows of a x3 image at 128 px are 1.5),
-    #: then those for planes that are nowhere that sharp: their colour is still useful.
+    #: Largest number of crop pixels per photo pixel (paper: 256 px windows of a x3 image at 128 px
+    #: are 1.5). The second value is for planes that are nowhere so sharp: their colour still helps.
     upsampling: tuple[float, float] = (1.5, 3.0)
-    #: Windows that fit a plane only in fewer places than this are given up for smaller ones.
+    #: Least number of pixel positions at which a window fits a plane; else smaller ones are tried.
     least_places: int = 64
-    draws_per_crop: int = 3  #: windows drawn for each crop, where the filter may reject some
-    #: Side that a crop's detail has at most, pixels, and at least over the crop's own.
+    draws_per_crop: int = 3  #: windows drawn per wanted crop, because the filter may reject some
+    #: Side of a crop's detail image: its largest value, pixels, and its least ratio to `CROP_PX`.
     detail_px: int = 512
     detail_gain: float = 1.1
 
@@ -148,7 +148,7 @@ SAMPLING = SamplingSettings()
 class Crop:
     """A 128x128 crop of one plane."""
 
-    #: Number within its mask: among the candidates, in the crop table among the selected ones.
+    #: Number within its mask, counted among the candidates (crop table: among the selected ones).
     index: int
     window: tuple[float, float, float, float]  #: (4,): x0 y0 x1 y1 on the rectified plane, metres
     size_m: float  #: side of the window, metres
@@ -159,7 +159,7 @@ class Crop:
     #: (8,): x y of the window's corners in the photo, pixels, clockwise from the top left of the
     #: crop.
     corners: tuple[float, ...] = (float("nan"),) * 8
-    #: JPEG of the window at the photo's own resolution; empty where the crop holds all of it.
+    #: JPEG of the window at the photo's own resolution; empty where the crop loses no resolution.
     detail: bytes = b""
 
 
@@ -173,11 +173,11 @@ class Candidate:
     #: Number of the plane (mask) within the photo and surface.
     plane: int
     photo: str = ""
-    #: Rooms that it shows: those of one size that the photo is assigned to, or its plane's own.
+    #: Rooms that the window may show, from its plane: all of one size, or one of a located photo.
     rooms: tuple[str, ...] = ()
 
 
-#: Judges a window: rectified plane, row, column and side in its pixels, the crop.
+#: Judges a window, given the rectified plane; row, column and side in its pixels; and the crop.
 Judge = Callable[[RectifiedPlane, int, int, int, Crop], Verdict]
 
 
@@ -216,7 +216,7 @@ def sample_candidates(
 
 
 def window_pixels(rectified: RectifiedPlane, size_m: float) -> int:
-    """Return the side of a window of that many metres in pixels of the rectified image."""
+    """Return the side of a window of `size_m` metres in pixels of the rectified image."""
     return max(1, round(size_m / rectified.metres_per_pixel))
 
 
@@ -225,7 +225,8 @@ def draw_windows(
 ) -> list[tuple[int, int]]:
     """Return (row, column) of the top left pixels of random windows fully inside the mask.
 
-    No window is drawn twice; fewer than `wanted` come back when `tries` draws find none.
+    No window is returned twice. There are fewer than `wanted` if draws repeat, or if all of `tries`
+    draws for one window miss the mask.
     """
     inside = rectified.places(side)
     if inside.sum() < SAMPLING.least_places:
@@ -267,9 +268,9 @@ def cut_window(
 
 
 def detail_of(window: np.ndarray, photo_px: int) -> bytes:
-    """Return a window (s, s, 3) as JPEG with the photo's own pixels; empty if a crop has as many.
+    """Return a window (s, s, 3) as JPEG at the photo's resolution; empty if a crop has as much.
 
-    `photo_px` of the photo lie along its side.
+    `photo_px` is the number of photo pixels along the window's side.
     """
     side = min(len(window), photo_px, SAMPLING.detail_px)
     if side < SAMPLING.detail_gain * CROP_PX:
@@ -284,8 +285,8 @@ def window_corners(
 ) -> tuple[float, ...]:
     """Return x y in the photo (8 floats, pixels) of a window's corners.
 
-    Clockwise from the top left of the rectified image; a ceiling's run the other way round in
-    the photo.
+    They go clockwise from the top left of the rectified image; in the photo those of a ceiling go
+    anticlockwise.
     """
     x0, y0, x1, y1 = window
     flat = np.array([[x0, y0, 1.0], [x1, y0, 1.0], [x1, y1, 1.0], [x0, y1, 1.0]])

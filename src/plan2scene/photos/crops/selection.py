@@ -1,4 +1,4 @@
-"""crops.parquet and candidates.parquet of a house: the candidates that become crops, and why."""
+"""crops.parquet and candidates.parquet of a house: which candidates become crops, and why."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from plan2scene.photos.crops.sampling import Candidate, reason_text
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Columns of both tables with the type of an empty one (docs/conventions.md).
+#: Columns of both tables with their types (docs/conventions.md).
 _SHARED = {
     "photo": "str",
     "room_id": "str",
@@ -32,17 +32,18 @@ _SHARED = {
 #: Columns of crops.parquet and of candidates.parquet.
 COLUMNS = {"crop_id": "str", **_SHARED, "medoid": "bool", "png": "object", "detail": "object"}
 CANDIDATE_COLUMNS = {**_SHARED, "reason": "str", "crop_id": "str", "corners": "object"}
-#: Crops selected of a surface without a good one: in all where some have mild reasons only, else
-#: of each photo.
+#: Largest number of crops of a surface without a good one: in all, where some windows have only
+#: mild reasons; else of each photo.
 LAST_RESORT, WORST_RESORT = 10, 3
-MOST = 60  #: Good crops selected of a surface: six planes' of the paper, more tell nothing new
+#: Largest number of good crops of a surface: those of six planes of the paper. More add nothing.
+MOST = 60
 
 
 def select_candidates(candidates: Sequence[Candidate]) -> set[tuple[int, str]]:
     """Return (number in the sequence, room) of the candidates that become crops.
 
-    The good ones, at most `MOST` of a surface, in turn from all planes that show it; of a surface
-    that has none, the least bad, so that it stays observed.
+    Of each surface the good candidates are selected, at most `MOST`, in turn from all its planes. A
+    surface without a good candidate gets the least bad ones, so that it stays observed.
     """
     of_surface: dict[tuple[str, str], list[int]] = {}
     for number, candidate in enumerate(candidates):
@@ -63,7 +64,7 @@ def select_candidates(candidates: Sequence[Candidate]) -> set[tuple[int, str]]:
 
 
 def _in_turn(numbers: Sequence[int], candidates: Sequence[Candidate]) -> list[int]:
-    """Return the first of each plane of each photo, then the second of each, and so on."""
+    """Return the first number of each plane of each photo, then the second, and so on."""
     turn: Counter[tuple[str, int]] = Counter()
     order: list[tuple[int, int]] = []
     for number in numbers:
@@ -74,7 +75,7 @@ def _in_turn(numbers: Sequence[int], candidates: Sequence[Candidate]) -> list[in
 
 
 def _few_of_each(numbers: Sequence[int], candidates: Sequence[Candidate]) -> list[int]:
-    """Return the first `WORST_RESORT` of each photo, so that no single photo has the only word."""
+    """Return the first `WORST_RESORT` of each photo, so that one photo cannot decide alone."""
     few: dict[str, list[int]] = {}
     for number in numbers:
         few.setdefault(candidates[number].photo, []).append(number)
@@ -92,9 +93,9 @@ def write_tables(
 ) -> pd.DataFrame:
     """Write both tables, one row per candidate and room; return the crop table.
 
-    The crops keep the order of the candidates, room by room within a photo; the medoid of each
-    surface is marked. With `keep_index` the crops keep their candidates' numbers, else they are
-    counted within each mask.
+    The crops keep the order of the candidates, room by room within a photo. The medoid of each
+    surface is marked. With `keep_index` the crops keep their candidates' numbers; else they are
+    numbered anew within each mask.
     """
     import pandas as pd
 
@@ -141,7 +142,7 @@ def write_tables(
 
 
 def _candidate_row(candidate: Candidate, room: str, *, selected: bool) -> dict[str, Any]:
-    """Return a row of candidates.parquet, without the name of a crop."""
+    """Return a row of candidates.parquet; its `crop_id` is left empty."""
     crop = candidate.crop
     return {
         "photo": candidate.photo,

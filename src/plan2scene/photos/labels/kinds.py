@@ -1,4 +1,4 @@
-"""What a photographed room is used for: a linear classifier of the segmentation network's maps."""
+"""The use of a photographed room, by a linear classifier on the segmentation network's maps."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ from plan2scene.photos.labels.segmentation import (
 )
 from plan2scene.weights import filled, load_model_file
 
-#: Longer side in pixels that a photo is seen at.
+#: Longer side in pixels of the photo that the network sees.
 SIDE = 320
-#: Maps of the encoder that are averaged, by the halvings of their size less one: strides 8 to 32.
+#: Indices of the encoder's maps that are used: those at strides 8, 16 and 32.
 MAPS = (2, 3, 4)
 
 
 @torch.inference_mode()
 def kind_features(segmenter: Segmenter, image: np.ndarray) -> np.ndarray:
-    """Return (f,) float32: mean, maximum and deviation of the encoders' channels over a photo.
+    """Return features (f,) float32: mean, maximum and deviation of each encoder channel of a photo.
 
     `image` is (h, w, 3) uint8 sRGB of any size.
     """
@@ -65,10 +65,10 @@ class RoomKinds(nn.Module):
 
 
 def load_kinds(path: str | Path, segmenter: Segmenter) -> Callable[[np.ndarray], np.ndarray]:
-    """Return what tells how probable each of :data:`KINDS` is, (k,) float32, for a (h, w, 3) photo.
+    """Return a function from a (h, w, 3) photo to probabilities of :data:`KINDS`, (k,) float32.
 
-    By the classifier of a weights file and the segmenter that it was trained on; InputError for a
-    file of another network.
+    `path` is the weights file of the classifier, `segmenter` the one that it was trained on. Raises
+    InputError if the file belongs to another network.
     """
     state, architecture = load_model_file(path)
     network = filled(lambda: RoomKinds(**architecture), state, "the classifier of rooms", path)

@@ -1,4 +1,4 @@
-"""Sources of labels: the embedded network, a pretrained one, or a folder of masks."""
+"""Sources of labels: the embedded network, a pretrained network, or a folder of masks."""
 
 from __future__ import annotations
 
@@ -22,34 +22,34 @@ from plan2scene.photos.labels.palette import (
 if TYPE_CHECKING:
     from plan2scene.photos.labels.network import SegmentationNet
 
-#: Where masks may come from (config key ``photos.masks``).
+#: Names of the sources of masks (config key ``photos.masks``).
 SOURCES = ("embedded", "imagenet", "precomputed", "pretrained")
 
 
 @dataclass(frozen=True, eq=False)
 class Labelled:
-    """What a photo shows where."""
+    """The labels of a photo."""
 
     labels: np.ndarray  #: (h, w) uint8, the photo's size
-    #: (6, h', w') float32 in [0, 1] over the whole photo, more coarsely: how likely each label is,
-    #: doors and windows too; None from a source that gives labels only.
+    #: (6, h', w') float32 in [0, 1], of lower resolution: the probability of each label, doors and
+    #: windows included; None from a source that does not give these.
     probabilities: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
 class Labeller:
-    """What labels photos."""
+    """Functions that label photos; None for what the source cannot tell."""
 
-    #: Given a photo's name, its (h, w, 3) uint8 sRGB pixels and its camera, where one is known.
+    #: (a photo's name, its (h, w, 3) uint8 sRGB pixels, its camera or None) -> labels.
     label: Callable[[str, np.ndarray, Camera | None], Labelled]
-    #: Given pixels, labels 0 to 3 that the camera is estimated from; None where the labels do not
-    #: depend on the camera.
+    #: Pixels -> labels 0 to 3 from which the camera is estimated; None if the labels do not depend
+    #: on the camera.
     draft: Callable[[np.ndarray], np.ndarray] | None = None
-    #: Given pixels, how probable each of `palette.KINDS` is, (k,); None where nothing tells it.
+    #: Pixels -> probability of each of `palette.KINDS`, (k,).
     kinds: Callable[[np.ndarray], np.ndarray] | None = None
-    #: Given pixels, whether they look taken from outside; None where nothing tells it.
+    #: Pixels -> whether the photo looks taken from outside.
     outside: Callable[[np.ndarray], bool] | None = None
-    #: Given pixels, what photos of one room have in common, (f,) float32; None where nothing tells.
+    #: Pixels -> features (f,) float32 that are similar for photos of one room.
     look: Callable[[np.ndarray], np.ndarray] | None = None
 
     def labelled(
@@ -63,8 +63,8 @@ class Labeller:
     ) -> Labelled:
         """Return the labels of a photo.
 
-        Where they depend on the camera, a draft of them gives it. `fov_deg`, `exif` and `segments`
-        as of :func:`plan2scene.photos.camera.calibration.estimate_camera`.
+        Where they depend on the camera, it is estimated from draft labels. `fov_deg`, `exif` and
+        `segments` are those of :func:`plan2scene.photos.camera.calibration.estimate_camera`.
         """
         if self.draft is None:
             return self.label(photo, image, None)
@@ -87,16 +87,17 @@ def labeller(
     threads: int | None = None,
     house_id: str = "",
 ) -> Labeller:
-    """Return what labels a photo, by source: a name of :data:`SOURCES`.
+    """Return the labeller of a source, one of :data:`SOURCES`.
 
-    Embedded takes the safetensors file `model`, that of the classifier of rooms, `kinds`, which
-    reads the network of `model`, and `things`: whether things in the rooms tell their use, too
-    (extra ``rooms``). Imagenet takes a file more, `imagenet`, of a network beside those of `model`
-    (same extra). Precomputed takes the folder of ``{stem}.png``. Pretrained takes the fields of
-    `pretrained.Checkpoint`. With `openings` doors are labelled 4 and windows 5, where the source
-    labels them; else they are other. `threads` are those of a network; torch's choice by default.
+    ``embedded`` needs the safetensors file `model`. `kinds` is the file of the classifier of rooms,
+    which reads the maps of that network. ``imagenet`` also needs the file `imagenet` of a network
+    that is averaged with those of `model` (extra ``rooms``). ``precomputed`` needs the folder of
+    ``{stem}.png``; ``pretrained`` the fields of `pretrained.Checkpoint`. With `things` (for any
+    source) the things in a room also show its use (extra ``rooms``). With `openings` doors are
+    labelled 4 and windows 5 if the source labels them; else they are other. `threads` is the
+    number of threads of a network; torch chooses it by default.
 
-    Raises InputError when the source is unknown or what it needs is missing.
+    Raises InputError when the source is unknown or something that it needs is missing.
     """
     if source not in SOURCES:
         raise InputError(f"a mask source of {', '.join(SOURCES)}", source, house=house_id)
@@ -120,7 +121,7 @@ def labeller(
 
 
 def _by_things(other: Labeller) -> Labeller:
-    """Return a labeller whose kinds the things in a photo tell and, as another witness, `other`."""
+    """Return `other` with kinds by the things in a photo, times its own kinds if it has any."""
     from plan2scene.photos.labels.imagenet import load_imagenet
     from plan2scene.photos.labels.things import ThingKinds
 
@@ -136,9 +137,9 @@ def _by_things(other: Labeller) -> Labeller:
 def _embedded(
     model: str, imagenet: str | Path | None, kinds: str | Path | None, openings: bool
 ) -> Labeller:
-    """Return what labels by the networks of `model` and, if given, `imagenet`.
+    """Return the labeller of the networks of `model` and, if given, `imagenet`.
 
-    Rooms' kinds are told by the classifier of `kinds`, from the networks of `model` alone.
+    The classifier `kinds` finds the use of rooms from the networks of `model` alone.
     """
     from plan2scene.photos.labels.kinds import load_kinds
     from plan2scene.photos.labels.segmentation import (
@@ -165,7 +166,7 @@ def _embedded(
 
 
 def _precomputed(folder: str | Path | None, openings: bool, house_id: str) -> Labeller:
-    """Return what reads labels from a folder."""
+    """Return the labeller that reads labels from a folder."""
     if not folder or not Path(folder).is_dir():
         found = f"no such folder {folder or ''}".strip()
         raise InputError("a folder of label PNGs (photos.masks_folder)", found, house=house_id)

@@ -1,7 +1,7 @@
 """The embedded segmentation network: a photo in, logits of its labels at half resolution out.
 
-Small enough to ship and to train on a few processor cores: an encoder of inverted residuals, a
-block that sees the whole picture along rows, columns and altogether, and a light decoder to half
+It is small enough to ship and to train on a few processor cores: an encoder of inverted residuals,
+a block that averages features over rows, columns and the whole picture, and a light decoder to half
 resolution.
 """
 
@@ -55,10 +55,10 @@ class InvertedResidual(nn.Module):
 
 
 class WholePicture(nn.Module):
-    """Add what the picture's rows, its columns and the picture as a whole hold on average.
+    """Add filtered means of the features of each row, each column and the whole picture.
 
     Whether a grey region is ceiling or wall depends on what is below and beside it, far beyond
-    the reach of a small encoder. Shapes: (n, c, h, w) -> (n, c, h, w).
+    the receptive field of a small encoder. Shapes: (n, c, h, w) -> (n, c, h, w).
     """
 
     def __init__(self, channels: int) -> None:
@@ -78,10 +78,10 @@ class WholePicture(nn.Module):
 
 
 class Attention(nn.Module):
-    """Self-attention among all places (Vaswani et al. 2017).
+    """Self-attention among all positions (Vaswani et al. 2017).
 
-    A material that is floor in one place is floor elsewhere, too. A new block changes
-    nothing. Shapes: (n, c, h, w) -> (n, c, h, w), c a multiple of `HEAD`.
+    A material that is floor in one place is floor elsewhere, too. A new block is the identity.
+    Shapes: (n, c, h, w) -> (n, c, h, w), c a multiple of `HEAD`.
     """
 
     HEAD = 32  #: channels of an attention head
@@ -130,15 +130,15 @@ class SegmentationNet(nn.Module):
 
     (n, 3, h, w) float32 in [0, 1], h and w multiples of 32 -> (n, labels, h / 2, w / 2).
 
-    `widths` are the channels at strides 2, 4, 8, 16, 32, `depths` the blocks at strides 4 to 32,
-    `decoder` its channels at strides 16 and 8 (half of it at 4, a quarter at 2), `attention` the
-    blocks of attention among all places at stride 32, and in the decoder at 16. Photos are scaled
-    to `long_side` pixels before inference. With `elevation` the network also sees how far above the
-    horizon each pixel looks, where known. `labels` is 4 (other, floor, wall, ceiling) or 6 (door
-    and window as well). Logits are divided by `temperature`, so that probabilities mean what they
-    say; `logit_adjustment` is added to them where photos hold other shares of the labels than the
-    renderings that the network learned from (Menon et al. 2021, arXiv 2007.07314), that of door and
-    window where these are asked for.
+    `widths` are the channels at strides 2, 4, 8, 16, 32; `depths` the number of blocks at strides 4
+    to 32; `decoder` the decoder's channels at strides 16 and 8 (half of it at 4, a quarter at 2);
+    `attention` the number of attention blocks at stride 32, and in the decoder at 16. With
+    `elevation` the network also takes each pixel's elevation above the horizon, where known.
+    `labels` is 4 (other, floor, wall, ceiling) or 6 (door and window as well). The other three are
+    constants for `segmentation.Segmenter`. It scales photos relative to `long_side` pixels. It adds
+    `logit_adjustment` to the logits, because photos have other shares of the labels than the
+    renderings of the training (Menon et al. 2021, arXiv 2007.07314); for door and window only if
+    they are asked for. It divides the logits by `temperature`, to calibrate the probabilities.
     """
 
     def __init__(
@@ -196,14 +196,14 @@ class SegmentationNet(nn.Module):
         self.head = nn.Conv2d(decoder // 4, labels, 3, padding=1)
 
     def encoded(self, x: torch.Tensor, elevation: torch.Tensor | None = None) -> list[torch.Tensor]:
-        """Return the encoder's maps at strides 2, 4, 8, 16 and 32; arguments as of the network."""
+        """Return the encoder's maps at strides 2, 4, 8, 16, 32; arguments as in :meth:`forward`."""
         *skips, y = self._maps_of_encoder(x, elevation)
         return [*skips, self.attention(self.context(y))]
 
     def _maps_of_encoder(
         self, x: torch.Tensor, elevation: torch.Tensor | None
     ) -> list[torch.Tensor]:
-        """Return :meth:`encoded` before places tell each other what they see."""
+        """Return the maps of :meth:`encoded` before `context` and `attention`."""
         n, _, h, w = x.shape
         rows = torch.linspace(-1, 1, h, device=x.device).view(1, 1, h, 1).expand(n, 1, h, w)
         columns = torch.linspace(-1, 1, w, device=x.device).view(1, 1, 1, w).expand(n, 1, h, w)
@@ -221,7 +221,7 @@ class SegmentationNet(nn.Module):
         return encoded
 
     def maps(self, x: torch.Tensor, elevation: torch.Tensor | None = None) -> list[torch.Tensor]:
-        """Return the decoder's maps at strides 16, 8, 4 and 2; arguments as of the network."""
+        """Return the decoder's maps at strides 16, 8, 4 and 2; arguments as in :meth:`forward`."""
         *skips, y = self.encoded(x, elevation)
         decoded: list[torch.Tensor] = []
         for up, skip in zip(self.ups, reversed(skips), strict=True):
@@ -234,29 +234,30 @@ class SegmentationNet(nn.Module):
     def forward(self, x: torch.Tensor, elevation: torch.Tensor | None = None) -> torch.Tensor:
         """Return logits; see the class for shapes.
 
-        `elevation` is (n, h, w) float32 of :func:`.elevation.elevation_map`; NaN where it is not
-        known. A network that was made without it ignores it.
+        `elevation` is (n, h, w) float32 of :func:`.segmentation.elevation_map`; NaN where it is not
+        known. A network that was made without `elevation` ignores it.
         """
         logits: torch.Tensor = self.head(self.maps(x, elevation)[-1])
         return logits
 
 
 class ImagenetSegmentationNet(SegmentationNet):
-    """A :class:`SegmentationNet` to whose encoder's maps a network of ImageNet adds something.
+    """A :class:`SegmentationNet` that adds maps of an ImageNet network to its encoder's maps.
 
-    No rendering tells what all real things look like. Both encoders stay as they are in training:
-    what is added at each stride is learned, beginning with nothing, and the decoder goes on. Shapes
-    as there. The weights of the other encoder (:mod:`.imagenet`) are none of the state.
+    Renderings do not show what all real things look like. Training leaves both encoders unchanged:
+    it learns an adapter at each stride, which begins with zero output, and trains the rest further.
+    Shapes as in :class:`SegmentationNet`. The state does not contain the weights of the ImageNet
+    encoder (:mod:`.imagenet`).
     """
 
-    #: In training: chances that a view is seen by one encoder alone, at strides 16 and 32 by the
-    #: other one, at all strides by the own one, so that neither is all that counts.
+    #: In training, probabilities that the own maps are dropped at strides 16 and 32, and that the
+    #: ImageNet maps are dropped at all strides, so that the network does not rely on one encoder.
     alone = (0.25, 0.15)
 
     def __init__(self, **architecture: Any) -> None:
         super().__init__(**architecture)
         self.architecture["imagenet"] = True
-        self._imagenet = (load_imagenet(),)  # in a tuple, or it would be of the state
+        self._imagenet = (load_imagenet(),)  # in a tuple, or it would be part of the state
         self.adapters = nn.ModuleList(
             nn.Sequential(
                 nn.BatchNorm2d(n_in),
@@ -273,7 +274,7 @@ class ImagenetSegmentationNet(SegmentationNet):
         self.stages.requires_grad_(False)
 
     def train(self, mode: bool = True) -> ImagenetSegmentationNet:
-        """Set training mode of all but the encoder."""
+        """Set the training mode of all parts but the encoder, which stays in evaluation mode."""
         super().train(mode)
         self.stem.eval()
         self.stages.eval()
@@ -295,14 +296,14 @@ class ImagenetSegmentationNet(SegmentationNet):
         ]
 
 
-MOST_MEMBERS = 8  #: Most networks of an ensemble, since the file may come from a stranger
+MOST_MEMBERS = 8  #: Largest number of networks in an ensemble; files may come from strangers
 
 
 class Ensemble(nn.Module):
     """Networks of one architecture whose logits are averaged (Hansen & Salamon 1990).
 
-    Networks from different runs are wrong about different things. Shapes and input as of
-    :class:`.network.SegmentationNet`, whose keywords `architecture` are.
+    Networks from different training runs make different mistakes. Shapes and input are those of
+    :class:`SegmentationNet`; `architecture` are its keywords.
 
     ValueError when there is no member or more than `MOST_MEMBERS`.
     """
@@ -325,18 +326,18 @@ _Network = TypeVar("_Network", bound=nn.Module)
 
 
 def folded(network: _Network) -> _Network:
-    """Return a copy of a network for inference, with the same answers but for rounding.
+    """Return a copy of a network for inference, with the same outputs up to rounding.
 
-    Each batch norm that follows a convolution in a sequence is folded into its weights, and
-    weights lie channels last, as processors' convolutions want them: a third of the time less.
-    The copy shares nothing with `network`, is in evaluation mode and is not to be trained.
+    Each batch norm that follows a convolution in a sequence is folded into its weights. Weights are
+    stored channels last, which suits convolutions on processors. Both save a third of the time. The
+    copy shares nothing with `network`, is in evaluation mode and cannot be trained.
     """
     quick = copy.deepcopy(network).eval()
     for module in list(quick.modules()):
         if isinstance(module, nn.Sequential):
             _fold(module)
         elif isinstance(module, nn.Hardswish):
-            module.inplace = True  # after a convolution, whose output nothing else reads
+            module.inplace = True  # nothing else reads the output of the convolution before it
     quick.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
     return quick.requires_grad_(False)
 

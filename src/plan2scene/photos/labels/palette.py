@@ -1,8 +1,8 @@
-"""Label masks of photos on disk: palette PNG files, and pictures to look at.
+"""Label masks of photos on disk: palette PNG files.
 
-Labels are 0 other, 1 floor, 2 wall, 3 ceiling; 255 is ignored (truth only). Doors and windows
-are other, except in files that label them: 4 door, 5 window. No torch here: stages that only read
-masks stay light.
+Labels are 0 other, 1 floor, 2 wall, 3 ceiling; 255 is ignored (ground truth only). Doors and
+windows are other, except in files that label them: 4 door, 5 window. This module does not import
+torch, so that stages that only read masks stay light.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ if TYPE_CHECKING:
 #: Label names by value.
 LABELS = ("other", "floor", "wall", "ceiling")
 OTHER, FLOOR, WALL, CEILING, DOOR, WINDOW = range(6)
-#: Names of the labels of files that label openings.
+#: Label names by value in files that also label openings.
 LABELS_AND_OPENINGS = (*LABELS, "door", "window")
 IGNORE = 255
-#: What a photographed room may be used for; files of a masks folder with how probable that is for
-#: each photo, with the photos that see the same things, with those from one spot, and with how
-#: alike photos look.
+#: Files of a masks folder: probabilities of `KINDS` for each photo; pairs of photos that see the
+#: same things; pairs of photos from one spot; likeness of pairs of photos. `KINDS` are the uses
+#: that a photographed room may have.
 KINDS_FILE, TURNS_FILE, SPOTS_FILE = "kinds.json", "turns.json", "spots.json"
 LIKENESS_FILE = "likeness.json"
 KINDS = ("Reception", "Bedroom", "Kitchen", "Bathroom", "Corridor", "Closet")
-PROBABILITIES = "probabilities"  #: Folder of a masks folder with how likely each label is
+PROBABILITIES = "probabilities"  #: Folder in a masks folder with the probability of each label
 #: sRGB colour of each label in the palette PNG and in overlays.
 PALETTE = (
     (128, 128, 128),
@@ -57,7 +57,7 @@ def write_label_png(path: str | Path, labels: np.ndarray) -> None:
 
 
 def read_label_png(path: str | Path, *, house_id: str = "", openings: bool = False) -> np.ndarray:
-    """Return (h, w) uint8 labels of a palette or grey PNG; without `openings` up to 3, doors as 0.
+    """Return (h, w) uint8 labels of a palette or grey PNG; without `openings` 4 and 5 become 0.
 
     Raises InputError for a file that is missing, no such image, or has a value that is no label.
     """
@@ -74,7 +74,7 @@ def without_openings(labels: np.ndarray) -> np.ndarray:
 
 
 def _label_values(image: Image.Image) -> np.ndarray:
-    """Return the (h, w) uint8 pixel values of a palette or grey image, its colours ignored."""
+    """Return the (h, w) uint8 pixel values of a palette or grey image; its palette is ignored."""
     if image.mode not in ("P", "L"):
         raise InputError("a palette or grey PNG of labels", f"mode {image.mode}")
     return np.array(image, dtype=np.uint8)
@@ -112,10 +112,10 @@ def labels_from_folder(
 ) -> np.ndarray:
     """Return the labels of `photo` from a folder of ``{stem}.png`` (the precomputed source).
 
-    The mask has the `size` (height, width) that :func:`~plan2scene.photos.photo_files.read_photo`
-    gives the photo or the one before the reduction; of any other it is refused, since it may be
-    turned or cropped. With `openings` 4 (door) and 5 (window) are kept, which are 0 otherwise.
-    Pixels marked 255 become 0 (other): nothing is taken from them.
+    The mask must have the `size` (height, width) that the photo has after
+    :func:`~plan2scene.photos.photo_files.read_photo`, or the size before its reduction. Other sizes
+    raise InputError, since the mask may be turned or cropped. With `openings` the labels 4 (door)
+    and 5 (window) are kept; else they become 0. Pixels marked 255 become 0 (other).
     """
     path = safe_join(folder, f"{Path(photo).stem}.png", house_id=house_id)
     labels = read_label_png(path, house_id=house_id, openings=openings)

@@ -1,8 +1,8 @@
 """Labels by a pretrained ADE20K network (the paper's kind of segmentation).
 
 Any semantic segmentation checkpoint of the transformers package with the 150 classes of ADE20K
-will do (SegFormer, UPerNet, BEiT ...): a local folder, or a pinned commit of the Hugging Face hub.
-Weights are read from safetensors only and no code of a checkpoint is ever run.
+works (SegFormer, UPerNet, BEiT ...): a local folder, or a pinned commit of the Hugging Face hub.
+Weights are read from safetensors only, and no code of a checkpoint is ever run.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from torch.nn import functional as F
 from plan2scene.errors import InputError
 from plan2scene.photos.labels.segmentation import network_size, to_tensor, upsampled_argmax
 
-#: ADE20K class indices of floor, wall and ceiling, in the order of our labels 1, 2, 3; the other
-#: 147 are other (docs/photos.md).
+#: ADE20K class indices of floor, wall and ceiling, in the order of our labels 1, 2, 3. The other
+#: 147 classes become label 0, other (docs/photos.md).
 ADE20K_SURFACES = (3, 0, 5)
 ADE20K_CLASSES = 150
 #: Channel means and standard deviations of ImageNet, for checkpoints that come without their own.
@@ -65,8 +65,8 @@ class Checkpoint:
 class PretrainedSegmenter:
     """Labels photos by a transformers model with ADE20K classes.
 
-    It is called with ``pixel_values`` (1, 3, h, w) and gives ``logits`` (1, 150, h', w'); `mean`
-    and `std` are per channel, of sRGB values in [0, 1].
+    The model is called with ``pixel_values`` (1, 3, h, w) and returns ``logits`` (1, 150, h', w').
+    `mean` and `std` are per channel, of sRGB values in [0, 1].
     """
 
     def __init__(
@@ -79,7 +79,8 @@ class PretrainedSegmenter:
     def labels(self, image: np.ndarray) -> np.ndarray:
         """Return (h, w) uint8 labels (0 other, 1 floor, 2 wall, 3 ceiling) of a sRGB photo.
 
-        Other is the best of all remaining classes, so doors, windows and rugs stay other.
+        The logit of other is the largest of the remaining classes, so doors, windows and rugs are
+        other.
         """
         size = (image.shape[0], image.shape[1])
         height, width = network_size(size, LONG_SIDE)
@@ -95,9 +96,9 @@ class PretrainedSegmenter:
 def load_pretrained(checkpoint: Checkpoint) -> PretrainedSegmenter:
     """Return the segmenter of a checkpoint.
 
-    Raises InputError when `checkpoint` is not clear (see :meth:`Checkpoint.check`), when the
-    transformers package (extra ``pretrained``) is missing, when the checkpoint does not load from
-    safetensors without code of its own, lacks weights, or has other classes than ADE20K's.
+    Raises InputError when :meth:`Checkpoint.check` does, when the transformers package (extra
+    ``pretrained``) is missing, or when the checkpoint does not load from safetensors without code
+    of its own, lacks weights, or has other classes than ADE20K's.
     """
     checkpoint.check()
     name = str(checkpoint.path or checkpoint.id)
@@ -133,7 +134,7 @@ def load_pretrained(checkpoint: Checkpoint) -> PretrainedSegmenter:
 
 
 def _check_classes(config: Any, name: str) -> None:
-    """Raise InputError unless a model has 150 classes, in ADE20K's order if they have names."""
+    """Raise InputError unless a model has 150 classes; if they have names, in ADE20K's order."""
     if config.num_labels != ADE20K_CLASSES:
         raise InputError(f"{ADE20K_CLASSES} classes (ADE20K)", f"{config.num_labels}", file=name)
     for index, ours in zip(ADE20K_SURFACES, ("floor", "wall", "ceiling"), strict=True):

@@ -1,8 +1,8 @@
 """Segmentation of a room photo into floor, wall, ceiling and other by the embedded network.
 
-The paper takes the surfaces of a photo from a network trained on ADE20K (section 4). This one
-(:mod:`.network`) is small enough to ship. Doors and windows, where it tells them, count as other
-unless asked for.
+The paper takes the surfaces of a photo from a network trained on ADE20K (section 4). The network
+here (:mod:`.network`) is small enough to ship. If it labels doors and windows, they count as other
+unless the caller asks for them.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def elevation_map(
 
     `up` (3,) is the world's up direction in camera axes (x right, y down, z forward), a unit
     vector: the second column of the rotation of ``docs/conventions.md``. The focal length is in
-    pixels of the photo, whose principal point is the middle; the map of `size` (height, width)
+    pixels of the photo, whose principal point is its middle. The map has `size` (height, width) and
     covers the same view.
     """
     axes = [
@@ -47,19 +47,20 @@ def elevation_map(
     return np.asarray(rise / np.sqrt(x * x + y * y + 1), dtype=np.float32)
 
 
-#: What labels photos: one network, or several whose logits are averaged.
+#: One network, or several whose logits are averaged.
 Network = SegmentationNet | Ensemble
 STRIDE = 32  #: Input height and width are multiples of this (the encoder's coarsest stride)
-SCALES = (0.8, 1.5, 2.8)  #: Sizes that a photo is seen at, relative to the network's
-DRAFT_SCALE = 1.5  #: The one that a draft is made at
-#: Median grey value in [0, 1] that dimmer photos are brought to before they are labelled.
+SCALES = (0.8, 1.5, 2.8)  #: Input sizes of a photo, relative to the network's `long_side`
+DRAFT_SCALE = 1.5  #: Input size for a draft
+#: Median grey value in [0, 1] to which dimmer photos are brightened before they are labelled.
 MEDIAN = 0.45
 
 
 def brightened(image: np.ndarray) -> np.ndarray:
-    """Return a photo (h, w, 3) uint8 sRGB that is no dimmer than `MEDIAN`, by a gamma.
+    """Return a photo (h, w, 3) uint8 sRGB, brightened by a gamma to the median grey `MEDIAN`.
 
-    Renderings are lit like listings; a room by its lamp alone is not. A black photo stays.
+    The network was trained on renderings lit like listing photos; a room lit by a lamp alone is
+    dimmer. Photos that are brighter, or (nearly) black, stay as they are.
     """
     median = float(np.median(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY))) / 255
     if not 0.02 < median < MEDIAN:
@@ -71,7 +72,7 @@ def brightened(image: np.ndarray) -> np.ndarray:
 def network_size(size: tuple[int, int], long_side: int) -> tuple[int, int]:
     """Return the (height, width) that a photo of `size` is scaled to.
 
-    Multiples of 32 with the longer side near `long_side`; the shape changes by a few percent.
+    Both are multiples of 32, the longer near `long_side`; the aspect changes by a few percent.
     """
     scale = long_side / max(size)
     height, width = (max(STRIDE, round(side * scale / STRIDE) * STRIDE) for side in size)
@@ -86,7 +87,7 @@ def to_tensor(image: np.ndarray) -> torch.Tensor:
 def upsampled_argmax(logits: np.ndarray, size: tuple[int, int]) -> np.ndarray:
     """Return the best class per pixel at `size` (h, w) of (c, h', w') float32 logits.
 
-    One class at a time, so that a large photo never needs all of them at full size at once.
+    Classes are upsampled one at a time, to save memory for large photos.
     """
     height, width = size
     best = np.full((height, width), -np.inf, np.float32)
@@ -102,14 +103,14 @@ def upsampled_argmax(logits: np.ndarray, size: tuple[int, int]) -> np.ndarray:
 class Segmenter:
     """Labels photos by a :class:`SegmentationNet`, or by an :class:`Ensemble` of them.
 
-    Each photo is seen at several sizes, and the answers are averaged: the smallest tells what is
-    what, the largest where it ends. A network sees it mirrored at every other size, the next
-    network at those between: as good as both at each, in half the time
-    (docs/measurements/segmentation.md).
+    Each photo is labelled at several sizes, and the logits are averaged: small sizes help to
+    recognise surfaces, large ones to find their borders. A network sees the photo mirrored at every
+    second size, the next network at the other sizes. This is as good as both views at each size, in
+    half the time (docs/measurements/segmentation.md).
     """
 
     def __init__(self, network: Network, *further: SegmentationNet) -> None:
-        """Take a network or an ensemble, whose constants count, and networks beside it."""
+        """Take a network or an ensemble, whose constants are used, and `further` networks."""
         self.network = network.eval()
         quick = folded(self.network)
         members = list(quick.members) if isinstance(quick, Ensemble) else [quick]
@@ -118,25 +119,26 @@ class Segmenter:
         self.members = cast("list[SegmentationNet]", members)
 
     def draft(self, image: np.ndarray) -> np.ndarray:
-        """Return (h, w) uint8 labels 0 to 3 as the first network gives them at one size.
+        """Return (h, w) uint8 labels 0 to 3 by the first network alone, at one size.
 
-        Enough to find a photo's camera by; arguments as of :meth:`labels`.
+        They are good enough to estimate a photo's camera. `image` as in :meth:`labels`.
         """
         logits = self._seen(self.members[:1], image, None, (DRAFT_SCALE,))
         return labels_of(logits, (image.shape[0], image.shape[1]))
 
     def logits(self, image: np.ndarray, camera: Camera | None) -> np.ndarray:
-        """Return (labels, h', w') float32 logits of a photo at half the largest size it is seen at.
+        """Return (labels, h', w') float32 logits of a photo at half of its largest input size.
 
-        With the network's adjustment of surfaces, divided by its temperature. Arguments as of
-        :meth:`labels`.
+        The network's logit adjustment of surfaces is added, and the sum is divided by its
+        temperature. Arguments as in :meth:`labels`.
         """
         return self._seen(self.members, image, camera, SCALES)
 
     def opened(self, logits: np.ndarray) -> np.ndarray:
-        """Return :meth:`logits` with the adjustment of doors and windows, for who asks for them.
+        """Return the `logits` of :meth:`logits` with the logit adjustment of doors and windows.
 
-        Photos show more of them than the network says; what is a wall to all others stays one.
+        The network underestimates how many of them photos show. The adjustment is made only when
+        openings are asked for, so that all other labels stay as they are without them.
         """
         constants = self.network.architecture
         more = np.array(constants["logit_adjustment"], np.float32) / constants["temperature"]
@@ -150,7 +152,7 @@ class Segmenter:
         camera: Camera | None,
         scales: Sequence[float],
     ) -> np.ndarray:
-        """Return the logits of a photo by some of the networks at some sizes, small to large."""
+        """Return the mean logits of a photo by the `members` at the `scales`, small to large."""
         photo_size, image = (image.shape[0], image.shape[1]), brightened(image)
         sides = [round(self.network.long_side * scale) for scale in scales]
         sizes = [network_size(photo_size, side) for side in sides]
@@ -171,8 +173,8 @@ class Segmenter:
     ) -> np.ndarray:
         """Return (h, w) uint8 labels (0 other, 1 floor, 2 wall, 3 ceiling) of a photo of any size.
 
-        With its `camera`, where one is known well, the network knows where the horizon is. With
-        `openings` doors are 4 and windows 5, of what is other, where the network tells them.
+        `camera`, if it is well known, gives the horizon to the network. With `openings` pixels of
+        label other become 4 (door) or 5 (window) where the network labels these.
         """
         size, logits = (image.shape[0], image.shape[1]), self.logits(image, camera)
         return labels_of(self.opened(logits) if openings else logits, size, openings=openings)
@@ -187,9 +189,9 @@ def _logits_at(
     *,
     mirror_first: bool,
 ) -> np.ndarray:
-    """Return networks' mean logits (labels, h / 2, w / 2) float32 of a photo seen at `size` (h, w).
+    """Return the mean logits (labels, h / 2, w / 2) float32 of `members` at input `size` (h, w).
 
-    Every other network sees it mirrored, the first one if `mirror_first`.
+    Every second network sees the photo mirrored, beginning with the first if `mirror_first`.
     """
     shrinks = image.shape[1] > size[1]
     way = cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR
@@ -210,7 +212,7 @@ def _logits_at(
 
 
 def labels_of(logits: np.ndarray, size: tuple[int, int], *, openings: bool = False) -> np.ndarray:
-    """Return labels (h, w) uint8 at `size` of :meth:`Segmenter.logits`."""
+    """Return labels (h, w) uint8 at `size` from the logits of :meth:`Segmenter.logits`."""
     labels = upsampled_argmax(surface_logits(logits), size)
     if openings and len(logits) > WINDOW:
         kinds = upsampled_argmax(logits[[OTHER, DOOR, WINDOW]], size)
@@ -220,7 +222,7 @@ def labels_of(logits: np.ndarray, size: tuple[int, int], *, openings: bool = Fal
 
 
 def probabilities_of(logits: np.ndarray) -> np.ndarray:
-    """Return (labels, h', w') float32 in [0, 1]: how likely each label is, of logits."""
+    """Return the probabilities (labels, h', w') float32 of labels: the softmax of logits."""
     powers = np.exp(logits - logits.max(axis=0))
     return np.asarray(powers / powers.sum(axis=0), dtype=np.float32)
 
@@ -228,7 +230,7 @@ def probabilities_of(logits: np.ndarray) -> np.ndarray:
 def surface_logits(logits: np.ndarray) -> np.ndarray:
     """Return logits (4, h, w) of other, floor, wall, ceiling: doors and windows are other.
 
-    A pixel may be a door, a window or a thing: what counts is how likely it is any of them.
+    The probability of other is the sum of those of door, window and other.
     """
     if len(logits) == len(LABELS):
         return logits
@@ -237,7 +239,7 @@ def surface_logits(logits: np.ndarray) -> np.ndarray:
 
 
 def load_segmenter(path: str | Path) -> Segmenter:
-    """Return the segmenter of a weights file; InputError when it is none of this network."""
+    """Return the segmenter of a weights file; InputError if the file is of another network."""
     state, architecture = load_model_file(path)
     kind: type[Network] = Ensemble if "members" in architecture else SegmentationNet
     if architecture.pop("imagenet", False):

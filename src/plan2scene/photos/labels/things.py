@@ -1,6 +1,6 @@
-"""What a photographed room is used for: a network of ImageNet's classes sees the things in it.
+"""The use of a photographed room, by the things that an ImageNet network sees in it.
 
-Nothing is trained here: a table says in what rooms each thing is.
+Nothing is trained here: a table says how likely each thing is in each kind of room.
 """
 
 from __future__ import annotations
@@ -14,33 +14,34 @@ from plan2scene.photos.labels.palette import KINDS
 if TYPE_CHECKING:
     import torch
 
-#: Longer sides in pixels that a photo is seen at, and the side of its windows, cells of 32 pixels:
-#: the 224 pixels that the network was trained on.
+#: Longer sides in pixels at which the network sees a photo, and the side of the windows that it
+#: classifies, in cells of 32 pixels: the 224 pixels that the network was trained on.
 SIDES = (320, 512, 768)
 WINDOW = 7
 #: Longer side in pixels at which photos are compared with each other.
 LOOK_SIDE = 448
-#: Share of the windows in which less of a thing shows than counts: one window may be mistaken.
+#: Quantile of a thing's probability over the windows that counts for the photo. It is not the
+#: largest, because the network may be wrong in one window.
 SHARE = 0.95
-#: What shows less surely than this says nothing: the network is never sure that a thing is absent.
+#: Probability that is subtracted: the network is never sure that a thing is absent.
 LEAST_SURE = 0.05
-#: Power of the odds. With the table and `LEAST_SURE`: by hand, on two real listings and a flat
+#: Power of the odds. Chosen by hand, as the table and `LEAST_SURE`, on two real listings and a flat
 #: (development).
 SHARPNESS = 3.0
-#: Classes of ImageNet that are one thing, and how much it speaks for each kind of room: the kind's
-#: share of the photos that show it; of receptions .6 of that, because they are photographed most,
-#: which counts where rooms are found (`which_room`). What is left is the same for all. Left out is
-#: what empty white rooms look like: refrigerators, dishwashers, shower curtains, paper, soap.
+#: For each thing, its ImageNet classes and its shares: which share of the photos that show it are
+#: of each kind of room. For receptions it is .6 of that share, because they are photographed most,
+#: and `which_room` takes that into account. Kinds that are not named have share 0. Classes that an
+#: empty white room resembles are left out: refrigerator, dishwasher, shower curtain, paper, soap.
 THINGS: tuple[tuple[tuple[int, ...], dict[str, float]], ...] = (
     # bathtub, hot tub, toilet seat, bath towel
     ((435, 876, 861, 434), {"Bathroom": 0.9}),
     # washbasin
     ((896,), {"Bathroom": 0.65, "Kitchen": 0.3}),
-    # medicine cabinet, which many cupboards look like
+    # medicine cabinet; many cupboards look like one
     ((648,), {"Bathroom": 0.4, "Closet": 0.2, "Kitchen": 0.2, "Bedroom": 0.15}),
     # four-poster, quilt, mosquito net, infant bed, cradle, bassinet, pillow, pyjamas
     ((564, 750, 669, 520, 516, 431, 721, 697), {"Bedroom": 0.85, "Reception": 0.06}),
-    # couch: other beds, too
+    # couch; some beds look like one
     ((831,), {"Reception": 0.36, "Bedroom": 0.3, "Kitchen": 0.1}),
     # home theatre, entertainment centre, television, rocking chair, fire screen, pianos, pool
     # table, loudspeaker
@@ -73,7 +74,7 @@ THINGS: tuple[tuple[tuple[int, ...], dict[str, float]], ...] = (
     # handrail
     ((421,), {"Corridor": 0.7, "Reception": 0.09}),
 )
-#: Classes that are seen out of doors: land and shore, buildings, fences, bridges, street, vehicles.
+#: Classes of outdoor scenes: land and shore, buildings, fences, bridges, street, vehicles.
 OUTDOORS = (
     *(970, 972, 975, 976, 977, 978, 979, 980),
     *(410, 425, 437, 442, 448, 449, 483, 497, 500, 580, 660, 663, 668, 698, 743, 832, 853, 858),
@@ -81,22 +82,22 @@ OUTDOORS = (
     *(536, 718, 821, 839, 888, 704, 733, 919, 920),
     *(436, 511, 609, 621, 627, 654, 656, 675, 705, 717, 751, 803, 817, 864, 867),
 )
-#: Their mean share of a photo's windows, seen small, from which on it shows no room. Chosen on real
-#: listings and flats (development): .49 to .71 and .17 of four photos from outside, .30 and .24 of
-#: two of 268 of rooms, less of the others.
+#: Least mean probability of `OUTDOORS` over the windows of a photo from outside, at the first of
+#: `SIDES`. Chosen on real listings and flats (development): it was .49 to .71 for three photos from
+#: outside and .17 for a fourth, .30 and .24 for two of 268 photos of rooms, less for the others.
 OUTSIDE = 0.2
-#: Added to each share: no thing rules a kind of room out.
+#: Added to each share, so that no thing rules out a kind of room.
 _LEAST = 0.03
 
 
 class ThingKinds:
-    """Tells what rooms are used for by the things that photos show."""
+    """Finds the use of rooms by the things that photos show."""
 
     def __init__(self, network: Any) -> None:
         self._network = network
 
     def seen(self, image: np.ndarray) -> np.ndarray:
-        """Return how surely each of :data:`THINGS` shows, (t,), in a (h, w, 3) uint8 sRGB photo."""
+        """Return the probabilities (t,) of :data:`THINGS` in a (h, w, 3) uint8 sRGB photo."""
         every = []
         for side in SIDES:
             classes = self._classes(image, side)
@@ -139,9 +140,9 @@ class ThingKinds:
         return bool(shares.mean() >= OUTSIDE)
 
     def probabilities(self, image: np.ndarray) -> np.ndarray:
-        """Return how probable each of :data:`KINDS` is, (k,) float32, for a (h, w, 3) photo.
+        """Return the probability of each of :data:`KINDS`, (k,) float32, for a (h, w, 3) photo.
 
-        A thing that does not show says nothing.
+        A thing that is not seen changes nothing.
         """
         shares = [[found.get(kind, 0.0) + _LEAST for kind in KINDS] for _, found in THINGS]
         odds = np.array(shares) / np.mean(shares, axis=1, keepdims=True)

@@ -1,4 +1,4 @@
-"""What an agent prints over photos: edges that all photos of one size have at the same pixels."""
+"""Watermarks of estate agents: edges that all photos of one size have at the same pixels."""
 
 from __future__ import annotations
 
@@ -16,39 +16,39 @@ class WatermarkSettings:
     """Constants. Source: set by hand on two real listings with a mark (development)."""
 
     side_px: int = 640  #: longer side that photos are reduced to, pixels
-    #: Sides that differ by less than this share are of one size: a mark keeps its place on photos
-    #: that were cropped to nearly one shape and scaled.
+    #: Photos count as of one size if their sides differ by less than this share: a mark keeps its
+    #: place on photos that were cropped to nearly one shape and scaled.
     rounding: float = 0.01
-    photos: int = 5  #: fewer photos of a size tell nothing
-    looked_at: int = 40  #: photos of a size, at most, which bounds the memory
-    edge: float = 2.5  #: least slope of an edge, grey levels per pixel
-    agree: float = 0.75  #: share of the photos that have an edge of one direction there
-    #: How often that is chance at a pixel, and how often one photo's edge agrees by chance.
+    photos: int = 5  #: least number of photos of a size in which a mark is searched
+    looked_at: int = 40  #: largest number of photos of a size that are used, to bound the memory
+    edge: float = 2.5  #: least median slope of an edge of a mark, grey levels per pixel
+    agree: float = 0.75  #: least share of the photos whose slope agrees with the median there
+    #: Probability that so many photos agree at a pixel by chance, and that one photo does.
     chance: float = 2e-5
     one_agrees: float = 0.1
-    direction: float = 0.7  #: least cosine between its slope and the usual one
-    strength: float = 0.25  #: least part of the usual slope that it has along that
-    #: Pixels by which edges are joined to one mark, and by which it is wider than they are.
+    direction: float = 0.7  #: least cosine between a photo's slope and the median for agreement
+    strength: float = 0.25  #: least slope of the photo along the median, as a share of the median
+    #: Diameter of the disc that closes gaps between edges, and margin added around them, pixels.
     joined_px: int = 9
     margin_px: int = 3
-    least_px: int = 40  #: smaller pieces are chance
-    most: float = 0.1  #: share of the photo above which photos are of one view, not marked
+    least_px: int = 40  #: smaller connected components are dropped, pixels
+    most: float = 0.1  #: a larger mark (share of the photo) means photos of one view, not a mark
 
 
 WATERMARK = WatermarkSettings()
 
 
 def reduced(image: np.ndarray) -> np.ndarray:
-    """Return the grey copy (h', w') uint8 of a (h, w, 3) uint8 sRGB photo that tells its mark."""
+    """Return the reduced grey copy (h', w') uint8 of a (h, w, 3) uint8 sRGB photo."""
     zoom = min(1.0, WATERMARK.side_px / max(image.shape[:2]))
     grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
     return cv2.resize(grey, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA)
 
 
 def watermarks(photos: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Return where the photos are marked, (h', w') bool each; those without a mark are left out.
+    """Return the marked pixels of photos, (h', w') bool each; photos without a mark are left out.
 
-    `photos` are of :func:`reduced`.
+    `photos` are those of :func:`reduced`.
     """
     found: dict[str, np.ndarray] = {}
     left = dict(photos)
@@ -62,17 +62,17 @@ def watermarks(photos: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 def _one_size(first: Sequence[int], second: Sequence[int]) -> bool:
-    """Return whether two sizes (rows, columns) differ by rounding alone."""
+    """Return whether two sizes (rows, columns) differ by less than `WATERMARK.rounding`."""
     return all(abs(a - b) < WATERMARK.rounding * b for a, b in zip(first, second, strict=True))
 
 
 def shared_mark(photos: Sequence[np.ndarray]) -> np.ndarray:
-    """Return the pixels (h, w) bool of a mark over all of some photos (h, w) uint8, grey.
+    """Return the pixels (h, w) bool of a mark that all `photos`, (h, w) uint8 grey, share.
 
-    The median slope over the photos is that of what all share: Dekel et al. 2017,
-    DOI 10.1109/CVPR.2017.726. Nothing of few photos, and of photos of one view.
+    The median slope over the photos is the slope of what all share: Dekel et al. 2017,
+    DOI 10.1109/CVPR.2017.726. No pixels for too few photos or for photos of one view.
     """
-    photos = list({photo.tobytes(): photo for photo in photos}.values())  # a copy tells nothing
+    photos = list({photo.tobytes(): photo for photo in photos}.values())  # without duplicates
     nothing = np.zeros(photos[0].shape, dtype=bool)
     if len(photos) < WATERMARK.photos:
         return nothing
@@ -97,7 +97,7 @@ def shared_mark(photos: Sequence[np.ndarray]) -> np.ndarray:
 
 
 def _slope(grey: np.ndarray) -> np.ndarray:
-    """Return the slope (2, h, w) float32 of a slightly blurred picture, levels per pixel."""
+    """Return the gradient (2, h, w) float32 of a slightly blurred image, grey levels per pixel."""
     calm = cv2.GaussianBlur(grey, (0, 0), 0.8)
     return np.stack([cv2.Sobel(calm, cv2.CV_32F, dx, 1 - dx, scale=0.125) for dx in (1, 0)])
 

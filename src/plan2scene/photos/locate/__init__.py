@@ -1,1 +1,1 @@
-"""Where in the plan a photo was taken: the pose whose rendered room agrees with its labels."""
+"""Find where in the plan a photo was taken: the pose at which the plan's room fits its labels."""

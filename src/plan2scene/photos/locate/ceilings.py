@@ -1,7 +1,7 @@
-"""What photos tell of a house whose plan does not: how high its ceilings are, where windows are.
+"""Measure ceiling heights and windows in the photos of a house whose plan does not give them.
 
-Floor, wall and ceiling of a photo agree with the plan at a pose of one height only. All photos of
-a house speak together, each by its best pose.
+A photo's floor, wall and ceiling labels fit the plan well only if the ceiling height is right. The
+height with the largest sum of scores over the photos wins, each at its best pose.
 """
 
 from __future__ import annotations
@@ -38,18 +38,18 @@ _log = logging.getLogger("plan2scene")
 
 @dataclass(frozen=True)
 class CeilingSettings:
-    """What ceilings are like, metres, and how they are searched for.
+    """Prior of ceiling heights and constants of the search for them.
 
     Source: usual dwellings; nothing was chosen on homes.
     """
 
-    #: Mean and standard deviation over homes, and the limits of the search.
+    #: Prior of the ceiling height: mean and standard deviation; limits of the search. Metres.
     mean_m: float = 2.5
     spread_m: float = 0.5
     limits_m: tuple[float, float] = (2.1, 4.0)
-    #: Heights that are compared lie first so far apart, then so far; a parabola tells the rest.
+    #: Steps of the hill climb, metres, one after the other; a parabola then refines the peak.
     steps_m: tuple[float, ...] = (0.2, 0.1)
-    #: Most spots that are asked, and rooms of a spot after the first height.
+    #: Most spots that are searched, and most rooms of a spot after the first height was scored.
     spots: int = 12
     rooms: int = 4
 
@@ -63,9 +63,10 @@ def ceiling_height(
     same_spot: Turned | None = None,
     threads: int = 1,
 ) -> float | None:
-    """Return the height in metres that photos tell, to a centimetre; None where none has a frame.
+    """Return the ceiling height that fits photos best, metres, rounded to a centimetre.
 
-    `same_spot` and `threads` as of :func:`.locate_photos.locate_shots`.
+    None if no photo has a Manhattan frame. `same_spot` and `threads` are those of
+    :func:`.locate_photos.locate_shots`.
     """
     rooms = {name: shot.rooms for name, shot in shots.items() if not shot.camera.fallback}
     every = spots_of({name: own for name, own in rooms.items() if own}, same_spot or {})
@@ -123,9 +124,10 @@ def measure_ceilings(
     name_hints: bool = True,
     threads: int = 1,
 ) -> House:
-    """Return a house with ceilings as high and windows where its photos show, if its plan does not.
+    """Return a house with the ceiling height and windows of its photos, if its plan lacks heights.
 
-    Arguments as of :func:`.locate_photos.locate_photos`.
+    Windows are replaced only if those of the plan are guesses. The arguments are those of
+    :func:`.locate_photos.locate_photos`.
     """
     if house.heights != USUAL:
         return house

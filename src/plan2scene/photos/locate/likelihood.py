@@ -1,10 +1,10 @@
-"""How probable a mask is where the plan shows a room.
+"""Likelihood of a photo's mask, given a pose in the plan.
 
-In one direction of the plan a room is a stack: floor, wall (and what an opening shows), ceiling.
+At one azimuth a room is a stack from below: floor, wall (with what an opening shows), ceiling.
 A table gives the probability of each label of a mask for each class of the plan. A mask is binned
-by azimuth and elevation; sums of log probabilities over elevation, kept for each class, give the
-likelihood of any stack by a few look-ups. No picture is drawn: a search scores thousands of places
-a photo.
+by azimuth and elevation. The log probabilities are summed up over elevation for each class, so that
+the likelihood of any stack takes a few look-ups. No image is rendered, since a search scores
+thousands of positions for each photo.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from plan2scene.photos.labels.palette import DOOR, LABELS_AND_OPENINGS, OTHER, W
 from plan2scene.photos.locate.locate_settings import LOCATE
 from plan2scene.photos.locate.plan_view import UNDRAWN, Hole, RoomShape, Sight
 
-#: A door or a window, which of both is not known.
+#: Label of an opening that may be a door or a window.
 OPENING = len(LABELS_AND_OPENINGS)
 N_LABELS = OPENING + 1
-#: Classes of what the plan shows: the room itself, then through a hole (``kind``, ``behind``).
+#: Classes of what the plan shows: the room itself, then what is `BEHIND` a hole of each kind.
 ROOM = {"floor": 0, "wall": 1, "ceiling": 2}
 HOLES = ("door", "window", "passage")
 BEHIND = ("floor", "wall", "ceiling", "unknown", *HOLES)
@@ -31,14 +31,14 @@ N_CLASSES = 3 + len(HOLES) * len(BEHIND)
 
 
 def hole_class(kind: str, behind: str) -> int:
-    """Return the class of what is seen through a hole."""
+    """Return the class of what is seen through a hole of a `kind`: `behind` is one of `BEHIND`."""
     return 3 + HOLES.index(kind) * len(BEHIND) + BEHIND.index(behind)
 
 
 def log_table(*, openings: bool) -> np.ndarray:
     """Return (N_CLASSES, N_LABELS) float64 log probabilities of a label given a class.
 
-    Where masks label no `openings`, these count as other.
+    If masks label no `openings`, the labels other, door and window share one probability.
     """
     table = np.zeros((N_CLASSES, N_LABELS))
     table[:3, :OPENING] = LOCATE.room_rows
@@ -58,12 +58,13 @@ def log_table(*, openings: bool) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Profile:
-    """Labels of a photo by direction, in the photo's Manhattan frame; float64, radians."""
+    """A photo's labels, binned by direction in its Manhattan frame; float64, radians."""
 
     azimuth: np.ndarray  #: (a,), middle of each column, ``(x, z) = (sin a, cos a)``
     lowest: float  #: elevation of the lower border of the first row
-    #: (classes, a, rows + 1), sum of the log probability of the labels below each row's lower
-    #: border, given each class; over all rows at the end. Pixels count 1 / all pixels.
+    #: (classes, a, rows + 1), log probability of the labels given each class, summed over all rows
+    #: below the lower border of each row; the last entry is the sum over all rows. Each pixel has
+    #: the weight 1 / number of pixels.
     sums: np.ndarray
 
     @property
@@ -72,14 +73,14 @@ class Profile:
         return int(self.sums.shape[2]) - 1
 
     def row(self, slope: np.ndarray) -> np.ndarray:
-        """Return the (fractional) border of rows at tangents of elevation."""
+        """Return the fractional row at elevations with these tangents."""
         rows = (np.arctan(slope) - self.lowest) / LOCATE.elevation_step
         return np.asarray(np.clip(rows, 0.0, self.rows))
 
     def between(
         self, kind: int, column: np.ndarray, low: np.ndarray, high: np.ndarray
     ) -> np.ndarray:
-        """Return the log probability (n,) of columns' labels between row borders, given a class."""
+        """Return the log probability (n,) of columns' labels between two rows, given a class."""
         return self._below(kind, column, high) - self._below(kind, column, low)
 
     def _below(self, kind: int, column: np.ndarray, row: np.ndarray) -> np.ndarray:
@@ -92,10 +93,10 @@ class Profile:
 def label_counts(
     labels: np.ndarray, camera: Camera, probabilities: np.ndarray | None
 ) -> tuple[np.ndarray, np.ndarray, float]:
-    """Return (labels, a, rows) shares by direction, azimuths (a,) and the lowest elevation.
+    """Return the share of each label by direction (labels, a, rows), azimuths, lowest elevation.
 
-    `labels` (h, w) uint8; values that are no label count nowhere. With `probabilities`
-    (l, h', w') of the same view each pixel counts for every label, by how likely that is.
+    `labels` (h, w) uint8; pixels with any other value are ignored. With `probabilities`
+    (l, h', w') of the same view, each pixel counts for every label by the label's probability.
     """
     step = max(1.0, camera.width / LOCATE.sampled_columns)
     columns = np.arange(step / 2, camera.width, step)
@@ -141,7 +142,7 @@ def make_profile(
 ) -> Profile:
     """Return the profile of a mask; `table` (classes, labels) log probabilities.
 
-    `blur` is the spread in radians by which directions are uncertain; `probabilities` as of
+    `blur` is the standard deviation of directions, radians; `probabilities` are those of
     `label_counts`.
     """
     counts, azimuth, lowest = label_counts(labels, camera, probabilities)
@@ -163,8 +164,8 @@ def agreement(
 ) -> np.ndarray:
     """Return the mean log probability (p, c) of a mask's pixels from p eyes at c heights, metres.
 
-    `sight` has the directions of eye 0, then of eye 1, ...; each eye's are the profile's columns.
-    A door is open or shut as a whole, whichever agrees better with what the eye sees of it.
+    `sight` has the directions of eye 0, then of eye 1, and so on, one for each column of the
+    profile. A door is open or shut as a whole: the state that agrees better counts.
     """
     shape, columns = shapes[room_id], len(profile.azimuth)
     eyes = len(sight.reach) // columns
@@ -190,7 +191,7 @@ def agreement(
 def _undrawn_window(
     profile: Profile, sight: Sight, index: np.ndarray, foot: np.ndarray, height: float
 ) -> np.ndarray:
-    """Return by how much (n,) a window, or none, changes directions that may meet one."""
+    """Return the gain in log probability (n,) of the best of a tall, a usual and no window."""
     gains = [np.zeros(len(index))]
     for ends in LOCATE.undrawn_m:
         low, high = (np.maximum(profile.row((up - height) / sight.reach), foot) for up in ends)
@@ -211,10 +212,10 @@ def _through(
     foot: np.ndarray,
     height: float,
 ) -> list[np.ndarray]:
-    """Return by how much (n,) a hole changes the log probability of directions that meet it.
+    """Return the change (n,) that a hole makes to the log probability of directions that meet it.
 
-    One array for each state that it may be in: shut, and open to the room behind, whose own
-    openings are seen with it.
+    There is one array for each state that the hole may be in: shut, or open to the room behind,
+    including that room's own openings.
     """
     bottom = np.maximum(profile.row((hole.bottom - height) / sight.reach), foot)
     top = np.maximum(profile.row((hole.top - height) / sight.reach), bottom)
@@ -250,7 +251,7 @@ def _through(
             profile.between(hole_class(hole.kind, kind), index[at], low, high)
             for kind in ("window" if undrawn else other.kind, "wall")
         )
-        # A leaf looks like a wall as often as not, and may be open.
+        # A door leaf often looks like a wall, and the door may be open: it counts only as a gain.
         sure = other.kind not in ("door", UNDRAWN)
         total[at] += there - bare if sure else np.maximum(there - bare, 0.0)
     opened = np.where(known, total - wall, shut)

@@ -1,7 +1,8 @@
 """The places stage: masks and plan of a house -> cameras.json and photo_rooms.json.
 
-Photos of one spot are searched together: roughly in every room where their room is not told, then
-in their room, and again under the height that the spots share.
+Photos of one spot are located together. If the photo table does not give their room, a rough search
+scores every room first. A fine search then runs in the known or most probable room, and again with
+the camera height that the spots share.
 """
 
 from __future__ import annotations
@@ -56,28 +57,28 @@ class Shot:
     """A photo to locate: its camera, its labels, and the rooms that it may have been taken in."""
 
     camera: Camera
-    #: (h, w) uint8, the camera's size: labels of `likelihood`; other values are ignored.
+    #: (h, w) uint8, of the camera's size: labels of `likelihood`; other values are ignored.
     labels: np.ndarray
     rooms: tuple[str, ...]
-    #: (6, h', w') float32 over the same view: how likely each label is, where that is known.
+    #: (6, h', w') float32 over the same view: probability of each label; None if unknown.
     probabilities: np.ndarray | None = None
-    #: What else tells the room; None where the photo table does.
+    #: Other evidence of the room; None if the photo table gives the room.
     hints: PhotoEvidence | None = None
 
 
 @dataclass(frozen=True)
 class Shots:
-    """What a masks folder tells of the photos of a house."""
+    """The photos of a house, as read from its masks folder."""
 
     shots: dict[str, Shot]
-    #: What told the kinds of rooms of photos without a room in the table.
+    #: Sources of the evidence of each photo's room, for photos without a room in the table.
     told_by: dict[str, list[str]]
-    #: Photos that see the same things, and those of one spot (`spots.Turned`).
+    #: Pairs of photos that see the same things, and pairs from one spot (`spots.Turned`).
     turns: dict[tuple[str, str], int]
     spots: dict[tuple[str, str], int]
     #: How alike photos look (`matches.likeness`).
     alike: dict[tuple[str, str], float]
-    #: Of all photos of the folder.
+    #: Cameras of all photos of the folder.
     cameras: dict[str, Camera]
 
 
@@ -85,9 +86,9 @@ class Shots:
 class Located:
     """Where the photos of a house were taken."""
 
-    #: The best pose of each photo that has a frame and a room, with its probability.
+    #: The best pose of each photo that has a Manhattan frame and a room, with its probability.
     poses: dict[str, Pose]
-    #: How probable each room is (`which_room.NOWHERE`: none) for photos of the table without one.
+    #: Probability of each room, or of none (`which_room.NOWHERE`), for photos without a known room.
     rooms: dict[str, dict[str, float]]
 
 
@@ -101,9 +102,9 @@ def locate_shots(
 ) -> Located:
     """Return the rooms of photos and their poses in them.
 
-    Photos of the `same_spot` are located together, those of the `same_things` have headings that
-    go together; photos that look `alike` (`matches.likeness`) are sooner of one room. `threads`
-    spots are searched at a time; the result does not depend on it.
+    Photos from the `same_spot` are located together. Photos of the `same_things` share the evidence
+    for their headings. Photos that look `alike` (`matches.likeness`) are more probably of one room.
+    `threads` spots are searched at a time; the result does not depend on it.
     """
     shapes = room_shapes(house)
     searched_in = searched_shapes(house)
@@ -171,7 +172,7 @@ def _rooms(
     tied: Turned,
     alike: Mapping[tuple[str, str], float],
 ) -> dict[str, dict[str, float]]:
-    """Return how probable each room is for the photos whose room is not told."""
+    """Return the probability of each room for the photos without a room in the photo table."""
     evidence = {
         name: PhotoEvidence(told=shot.rooms)
         if shot.hints is None
@@ -185,7 +186,7 @@ def _rooms(
 
 
 def labelled_openings(shots: Iterable[Shot]) -> str:
-    """Return what tells openings in the masks of a house, of `LocateSettings.less_sure`."""
+    """Return how masks mark doors and windows: a key of `LocateSettings.less_sure`."""
     every = list(shots)
     if any(shot.probabilities is not None for shot in every):
         return "probabilities"
@@ -194,7 +195,7 @@ def labelled_openings(shots: Iterable[Shot]) -> str:
 
 
 def shared_height(hypotheses: Sequence[Sequence[Hypothesis]]) -> HeightPrior | None:
-    """Return the heights of all spots by those of clearly located ones (best pose first)."""
+    """Return a camera height prior from the spots (poses, best first) that are clearly located."""
     clear = [
         poses[0].position[1] for poses in hypotheses if margins(poses)[0] >= LOCATE.clear_margin
     ]
@@ -206,9 +207,10 @@ def shared_height(hypotheses: Sequence[Sequence[Hypothesis]]) -> HeightPrior | N
 
 
 def margins(poses: Sequence[Hypothesis]) -> tuple[float, float]:
-    """Return by how much the first pose beats the best of another heading or room, and elsewhere.
+    """Return the leads in score of the first pose over the others, each at most 1.
 
-    Elsewhere is the same heading and room at another position.
+    The first is the lead over poses with another heading or room, the second over poses with the
+    same heading and room at another position (`LOCATE.elsewhere_m`).
     """
     best = poses[0]
     heading = elsewhere = 1.0
@@ -229,7 +231,7 @@ def _best(searches: Sequence[RoomSearch], prior: HeightPrior) -> list[Hypothesis
 
 
 def view_of(shot: Shot, table: np.ndarray, quarters: int) -> View:
-    """Return a photo's labels by direction; `table` of `log_table`, `quarters` of `Spot`."""
+    """Return a photo's profiles; `table` is that of `log_table`, `quarters` those of `Spot`."""
 
     def profile(blur: float) -> Profile:
         return make_profile(shot.labels, shot.camera, table, blur, shot.probabilities)
@@ -240,7 +242,7 @@ def view_of(shot: Shot, table: np.ndarray, quarters: int) -> View:
 def probability(poses: Sequence[Hypothesis], openings: str) -> float:
     """Return the probability that heading and position of the first pose are right.
 
-    `openings` is what tells them in the masks, of `LocateSettings.less_sure`.
+    `openings` is the result of :func:`labelled_openings`.
     """
     leads = np.log10(np.maximum(margins(poses), 0.0) + LOCATE.lead_floor)
     rooms = len({pose.room_id for pose in poses})
@@ -258,13 +260,13 @@ def locate_photos(
     name_hints: bool = True,
     threads: int = 1,
 ) -> Located:
-    """Write a house's cameras.json; return the photos' poses and what is known of their rooms.
+    """Write a house's cameras.json; return the photos' poses and the probabilities of their rooms.
 
-    `rooms_of_photo` are the rooms that each photo shows: one of them it was taken in, or any room
-    of the house where none is named. `masks_dir` is the output of the masks stage, whose cameras
-    with their places go to `output` (``docs/conventions.md``). With `name_hints` the names of
-    photos tell what rooms they may show. `threads` photos are searched at a time; the result does
-    not depend on it.
+    `rooms_of_photo` are the rooms that each photo shows; it was taken in one of them, or in any
+    room of the house if none is named. `masks_dir` is the output of the masks stage. Its cameras
+    and their places in the plan are written to `output` (``docs/conventions.md``). With
+    `name_hints` a photo's name is evidence of its room. `threads` spots are searched at a time; the
+    result does not depend on it.
     """
     read = read_shots(house, rooms_of_photo, masks_dir, name_hints=name_hints)
     located = locate_shots(house, read.shots, read.spots, read.turns, read.alike, threads)
@@ -286,7 +288,7 @@ def read_shots(
     *,
     name_hints: bool = True,
 ) -> Shots:
-    """Return the photos of a masks folder that `rooms_of_photo` has; see :func:`locate_photos`."""
+    """Read the photos of a masks folder that are in `rooms_of_photo`; see :func:`locate_photos`."""
     folder = Path(masks_dir)
     file = folder / "cameras.json"
     cameras = {
@@ -329,11 +331,11 @@ def write_photo_rooms(
 ) -> dict[str, list[str]]:
     """Write photo_rooms.json and return it: photo -> the rooms that it shows.
 
-    These are the rooms of the photo table; for a photo without any, the most probable one.
-    `cameras` is the cameras.json of `locate_photos`, None where photos have no camera. A photo
-    without a room, or with a guess that is not used, is left out; one line names them all. `table`
-    is written, too: a photo table of these rooms, how probable each is and any of its kind, what
-    told the kind, guesses marked as such, and the photos without a room.
+    These are the rooms of the photo table; for a photo without any, they are its most probable one.
+    `cameras` is the cameras.json of `locate_photos`, None if photos have no camera. A photo without
+    a room, or with a guess that is not used, is left out; one log line names all such photos.
+    `table` is a second output: a photo table of these rooms and of the photos without a room, with
+    the probability of the room and of its kind, the source of the evidence, and the guesses.
     """
     known = {} if cameras is None else read_stage_json(cameras, "cameras", house=house)
     found = {name: entry["rooms"] for name, entry in known.items() if "rooms" in entry}

@@ -1,4 +1,4 @@
-"""A room in plan view as a camera inside sees it: how far each direction reaches, and through what.
+"""Rays in a room's plan view: how far each one reaches, and which opening it meets.
 
 Directions are azimuths in the plan, ``(x, z) = (sin a, cos a)``, radians.
 """
@@ -18,13 +18,13 @@ from plan2scene.photos.locate.locate_settings import LOCATE
 from plan2scene.plans.geometry import point_along, ring_edges
 from plan2scene.plans.usual_windows import USUAL_WINDOWS, built_area, guesses_windows
 
-#: Kind of hole that is none: there an outer wall may have windows that the plan does not draw.
+#: Kind of a stretch of outer wall that may have windows which the plan does not draw.
 UNDRAWN = "undrawn"
 
 
 @dataclass(frozen=True)
 class Hole:
-    """An opening on an edge of a room: metres along the edge, and above the floor."""
+    """An opening on an edge of a room; metres along the edge and above the floor."""
 
     edge: int
     start: float
@@ -54,19 +54,19 @@ class RoomShape:
 
 @dataclass(frozen=True)
 class Sight:
-    """What `n` directions meet: (n,) float64 in metres, (n,) int64 indices."""
+    """What `n` rays meet: (n,) float64 in metres, (n,) int64 indices."""
 
-    reach: np.ndarray  #: to the room's edge
+    reach: np.ndarray  #: distance to the room's edge
     edge: np.ndarray  #: index of that edge
-    at: np.ndarray  #: along it
-    hole: np.ndarray  #: index of the opening met there, of the room's; -1 for none
-    beyond: np.ndarray  #: to the edge of the room behind that opening; NaN where none is known
-    beyond_edge: np.ndarray  #: index of that edge; -1 where none is known
-    beyond_hole: np.ndarray  #: index of the opening met there, of the room behind; -1 for none
-    beyond_height: np.ndarray  #: of the room behind; NaN where none is known
+    at: np.ndarray  #: place along that edge
+    hole: np.ndarray  #: index of the room's opening at that place; -1 for none
+    beyond: np.ndarray  #: distance to the far edge of the room behind that opening; NaN for none
+    beyond_edge: np.ndarray  #: index of that edge; -1 for none
+    beyond_hole: np.ndarray  #: index of the opening in that edge, of the room behind; -1 for none
+    beyond_height: np.ndarray  #: ceiling height of the room behind; NaN for none
 
     def of(self, directions: np.ndarray) -> Sight:
-        """Return what the directions with these numbers, repeated ones too, meet."""
+        """Return the same for the rays with these indices, which may repeat."""
         return Sight(*(getattr(self, field.name)[directions] for field in fields(self)))
 
 
@@ -77,9 +77,9 @@ def room_shapes(house: House) -> dict[str, RoomShape]:
 
 
 def searched_shapes(house: House) -> dict[str, RoomShape]:
-    """Return :func:`room_shapes` for a search: what outer walls may have is `UNDRAWN` there.
+    """Return :func:`room_shapes` with `UNDRAWN` holes in outer walls, for a search.
 
-    Where nothing of a plan's windows is guessed, it draws all of them.
+    They are added only if the house's windows are guesses; otherwise its plan draws all windows.
     """
     shapes = room_shapes(house)
     if not guesses_windows(house):
@@ -94,7 +94,7 @@ def searched_shapes(house: House) -> dict[str, RoomShape]:
 
 
 def _undrawn(shape: RoomShape, built: BaseGeometry) -> Iterator[Hole]:
-    """Yield the stretches of a room's edges that nothing built is behind."""
+    """Yield the stretches of a room's edges behind which nothing is built, as `UNDRAWN` holes."""
     for edge, (start, along, length) in enumerate(
         zip(shape.start, shape.along, shape.length, strict=True)
     ):
@@ -109,7 +109,8 @@ def _undrawn(shape: RoomShape, built: BaseGeometry) -> Iterator[Hole]:
 def dominant_direction(shape: RoomShape) -> float:
     """Return the angle in [0, pi/2) by which a room's walls are turned from the plan's axes.
 
-    The turn takes the azimuth 0 to that of a wall; walls vote by their length, modulo 90 degrees.
+    The turn maps azimuth 0 to that of a wall. It is the mean of the walls' azimuths modulo 90
+    degrees, weighted by their lengths.
     """
     azimuth = np.arctan2(shape.along[:, 0], shape.along[:, 1])
     mean = np.angle((shape.length * np.exp(4j * azimuth)).sum()) / 4
@@ -120,7 +121,7 @@ def dominant_direction(shape: RoomShape) -> float:
 def look(
     shapes: Mapping[str, RoomShape], room_id: str, eyes: np.ndarray, azimuth: np.ndarray
 ) -> Sight:
-    """Return what directions (n,) meet that are looked along from `eyes` (n, 2) in a room."""
+    """Return what rays from `eyes` (n, 2) in a room at azimuths (n,) meet."""
     shape = shapes[room_id]
     ways = np.stack([np.sin(azimuth), np.cos(azimuth)], axis=1)
     reach, edge, at = _first_exit(shape, eyes, ways, np.zeros(len(eyes)))
@@ -141,7 +142,7 @@ def look(
 
 
 def _hole_met(shape: RoomShape, edge: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Return the index (n,) of the opening that lies `at` metres along edges; -1 for none."""
+    """Return the index (n,) of the opening that is `at` metres along each edge; -1 for none."""
     met = np.full(len(edge), -1)
     for index, hole in reversed(list(enumerate(shape.holes))):
         met[(edge == hole.edge) & (at > hole.start) & (at < hole.end)] = index
@@ -151,7 +152,7 @@ def _hole_met(shape: RoomShape, edge: np.ndarray, at: np.ndarray) -> np.ndarray:
 def _first_exit(
     shape: RoomShape, eyes: np.ndarray, ways: np.ndarray, after: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return distance, edge and metres along it (n,) where rays leave a room, beyond `after`."""
+    """Return distance, edge and metres along it (n,) where rays first leave a room past `after`."""
     facing = ways @ shape.outward.T
     to_start = shape.start[None] - eyes[:, None]
     away = (to_start * shape.outward).sum(axis=2)
@@ -167,7 +168,7 @@ def _first_exit(
 
 
 def _room_shape(house: House, room: Room, behind: Mapping[tuple[str, str], str]) -> RoomShape:
-    """Return the edges of a room, walked with the room on the same side, and its openings."""
+    """Return the edges of a room, all with the room on the same side, and its openings."""
     edges = [
         edge
         for number, ring in enumerate(room.rings)
@@ -184,13 +185,13 @@ def _room_shape(house: House, room: Room, behind: Mapping[tuple[str, str], str])
 
 
 def _walked(ring: Ring, *, hole: bool) -> Ring:
-    """Return a ring walked from x to z, or the other way round."""
+    """Return a ring ordered to turn from +x to +z, or from +z to +x if it is a `hole`."""
     area = sum(x0 * z1 - x1 * z0 for (x0, z0), (x1, z1) in ring_edges(ring))
     return ring[::-1] if (area > 0.0) == hole else ring
 
 
 def _rooms_behind(house: House) -> dict[tuple[str, str], str]:
-    """Return the room behind each (room, opening id) that joins two rooms."""
+    """Return the room behind each (room, opening id) of an opening that joins two rooms."""
     behind: dict[tuple[str, str], str] = {}
     for door in house.doors:
         if door.room_b is not None and door.room_b != door.room_a:
@@ -200,9 +201,9 @@ def _rooms_behind(house: House) -> dict[tuple[str, str], str]:
 
 
 def _holes(house: House, shape: RoomShape, behind: Mapping[tuple[str, str], str]) -> list[Hole]:
-    """Return the openings of a room on its edges: those of its walls, and those that lead to it.
+    """Return the openings on a room's edges: those of its own walls, and others that lead into it.
 
-    Guessed ones are none of them.
+    Guessed openings are left out.
     """
     holes: list[Hole] = []
     named: set[str] = set()
@@ -221,7 +222,7 @@ def _holes(house: House, shape: RoomShape, behind: Mapping[tuple[str, str], str]
 
 
 def _walls_along(shape: RoomShape, walls: Sequence[Wall]) -> tuple[str, ...]:
-    """Return the id of the wall that shares most of each edge; empty where none shares any."""
+    """Return the id of the wall that overlaps each edge most; empty where the overlap is small."""
     names = [""] * len(shape.length)
     most = np.zeros(len(shape.length))
     for wall in walls:
@@ -235,9 +236,9 @@ def _walls_along(shape: RoomShape, walls: Sequence[Wall]) -> tuple[str, ...]:
 def _on_edges(
     shape: RoomShape, wall: Wall, span: tuple[float, float]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return how far (e,) a span of a wall is off each edge, and where (e, 2) along it, metres.
+    """Return the distance (e,) of a wall's span to each edge, and its ends (e, 2) along the edge.
 
-    Off by infinity, and nowhere (NaN), where it does not run the edge's way or is not near it.
+    In metres; infinite and NaN for edges that are not parallel to the span or not near it.
     """
     ends = np.array([point_along(wall, at) for at in span])
     width = max(float(np.linalg.norm(ends[1] - ends[0])), 1e-9)
@@ -250,7 +251,7 @@ def _on_edges(
 
 
 def _placed(shape: RoomShape, wall: Wall, opening: Opening, room_behind: str | None) -> Hole | None:
-    """Return an opening on the nearest edge that runs its way; None where there is none."""
+    """Return an opening placed on the nearest parallel edge of a room; None if there is none."""
     width = opening.end - opening.start
     if width <= 1e-6:
         return None

@@ -1,4 +1,4 @@
-"""A photo's place in the plan, and how it is written to ``cameras.json``."""
+"""A photo's pose in the plan, and its entry in ``cameras.json``."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from plan2scene.errors import InputError
 from plan2scene.house import House
 from plan2scene.stage_json import read_stage_json
 
-#: From this probability on a photo counts as located.
+#: A photo with at least this probability counts as located.
 LOCATED = 0.5
 
 
@@ -42,16 +42,16 @@ class Pose:
 
 
 def turned(camera: Camera, turn: float) -> Camera:
-    """Return a camera of a Manhattan frame in the plan's, whose azimuths are larger by `turn`."""
+    """Return a camera rotated from its Manhattan frame to the plan's: azimuths grow by `turn`."""
     sine, cosine = np.sin(turn), np.cos(turn)
     to_frame = np.array([[cosine, 0.0, -sine], [0.0, 1.0, 0.0], [sine, 0.0, cosine]])
     return camera.with_rotation(camera.matrix @ to_frame)
 
 
 def pose_to_json(camera: Camera, pose: Pose | None) -> dict[str, Any]:
-    """Return a photo's entry of cameras.json; `camera` is that of the photo's Manhattan frame.
+    """Return a photo's entry of cameras.json; `camera` is in the photo's Manhattan frame.
 
-    Of a photo that is not located, room and position are null and the rotation stays the frame's.
+    If the photo is not located, room and position are null and the camera stays in that frame.
     """
     if pose is None or not pose.believed:
         located = 0.0 if pose is None else round(pose.located, 4)
@@ -65,9 +65,9 @@ def pose_to_json(camera: Camera, pose: Pose | None) -> dict[str, Any]:
 
 
 def pose_from_json(value: Any, *, file: object = "") -> Pose | None:
-    """Return the pose of `pose_to_json`'s values; None for a photo that is not located.
+    """Return the pose from values of `pose_to_json`; None for a photo that is not located.
 
-    Raises InputError for what is no entry of cameras.json.
+    Raises InputError if `value` is not an entry of cameras.json.
     """
     camera = Camera.from_json(value, file=file)
     if value.get("room_id") is None:
@@ -81,7 +81,7 @@ def pose_from_json(value: Any, *, file: object = "") -> Pose | None:
 
 
 def read_poses(path: str | Path, house: House | None = None) -> dict[str, Pose]:
-    """Return the poses of the located photos of a cameras.json, by name, in rooms of `house`."""
+    """Return a cameras.json's poses of located photos, by name; their rooms must be in `house`."""
     poses = {
         name: pose_from_json(value, file=path)
         for name, value in read_stage_json(path, "cameras", house=house).items()

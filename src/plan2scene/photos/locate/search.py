@@ -1,4 +1,4 @@
-"""The pose in a room whose rendered labels agree best with a mask: coarse to fine."""
+"""Search a room for the pose at which the plan agrees best with a mask: coarse to fine."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from plan2scene.photos.locate.likelihood import Profile, agreement
 from plan2scene.photos.locate.locate_settings import LOCATE, Grid
 from plan2scene.photos.locate.plan_view import RoomShape, dominant_direction, look
 
-#: Plan offsets of a refinement's step.
+#: Offsets (x, z) that one step of the refinement tries, in units of the step.
 _AROUND = np.array([(i, j) for i in (0, -1, 1) for j in (0, -1, 1)], dtype=np.float64)
 
 
@@ -26,34 +26,34 @@ class Hypothesis:
     turn: float
     #: x, y, z of the camera, metres.
     position: tuple[float, float, float]
-    #: Mean log probability of a pixel's label, and of the height.
+    #: Mean log probability of a pixel's label, plus the weighted log prior of the height.
     score: float
 
 
 @dataclass(frozen=True)
 class HeightPrior:
-    """What a camera's height is likely to be, metres."""
+    """Gaussian prior of a camera's height, metres."""
 
     mean: float = LOCATE.height_m
     spread: float = LOCATE.height_spread_m
 
     def log(self, heights: np.ndarray) -> np.ndarray:
-        """Return the prior's share of the score at heights."""
+        """Return the weighted log prior at heights, as it is added to the score."""
         return np.asarray(-0.5 * LOCATE.prior_weight * ((heights - self.mean) / self.spread) ** 2)
 
 
 @dataclass(frozen=True)
 class View:
-    """One photo of a spot: its mask by direction, blurred more and less."""
+    """One photo of a spot: its mask, binned by direction, with a large and a small blur."""
 
     coarse: Profile
     fine: Profile
-    #: Its heading minus that of the spot's first photo, of their Manhattan frames, quarter turns.
+    #: Turn of the photo's Manhattan frame minus that of the spot's first photo, quarter turns.
     quarters: int = 0
 
 
 class RoomSearch:
-    """How well each pose on a coarse grid of a room agrees with masks; refined on demand."""
+    """Scores of the poses on a coarse grid of a room against masks; refined on demand."""
 
     def __init__(
         self,
@@ -63,7 +63,7 @@ class RoomSearch:
         views: Sequence[View],
         grid: Grid,
     ) -> None:
-        """Score the grid by the photos that were taken from one spot."""
+        """Score the grid against `views`, the photos that were taken from one spot."""
         self._shapes, self.room_id, self._views = shapes, room_id, views
         self._polygon = polygon
         shape = shapes[room_id]
@@ -95,8 +95,8 @@ class RoomSearch:
     def _refined(self, turn: float, point: int, level: int, prior: HeightPrior) -> Hypothesis:
         """Return the pose that a pattern search from a point of the grid reaches.
 
-        The score is flat between the borders of its bins and is cheapest for many positions at
-        once; the optimisers of scipy try one at a time.
+        The score is not smooth, and it is cheapest to compute for many positions at once, while
+        scipy's optimisers try one position at a time.
         """
         inner = self._polygon.buffer(-LOCATE.least_clearance_m)
         highest = self._shapes[self.room_id].height - 0.2
@@ -126,8 +126,8 @@ class RoomSearch:
     ) -> np.ndarray:
         """Return the agreement (p, c) of eyes (p, 2) at heights (c,) with the views' profiles.
 
-        It is their sum over the root of their number: how far it is off by chance does not depend
-        on how many they are.
+        The views' agreements are added and divided by the square root of their number, so that the
+        random error of a score does not depend on that number.
         """
         total = np.zeros((len(eyes), len(heights)))
         for view, profile in zip(self._views, profiles, strict=True):
@@ -155,13 +155,13 @@ def grid_of(polygon: Polygon, grid: Grid) -> np.ndarray:
 
 
 def _ticks(low: float, high: float, step: float) -> np.ndarray:
-    """Return the middles of the parts of about `step` into which an interval is cut."""
+    """Cut an interval into equal parts about `step` long and return their midpoints."""
     count = max(1, round((high - low) / step))
     return low + (np.arange(count) + 0.5) * (high - low) / count
 
 
 def _peaks(grid: np.ndarray, scores: np.ndarray) -> list[tuple[int, int]]:
-    """Return (point, height) of the best scores (p, c) that lie apart from each other."""
+    """Return indices (point, height) of the best scores (p, c) at least `apart_m` apart in plan."""
     left = scores.max(axis=1)
     peaks: list[tuple[int, int]] = []
     while len(peaks) < LOCATE.peaks and np.isfinite(left).any():

@@ -1,4 +1,4 @@
-"""Doors that a located photo shows, and the pixels of their leaves."""
+"""Find the doors that a photo shows, and the pixels of their leaves."""
 
 from __future__ import annotations
 
@@ -17,22 +17,23 @@ from plan2scene.photos.locate.pose import Pose
 class DoorSettings:
     """When a photo shows a door leaf. Chosen by looking at real homes (development)."""
 
-    #: Share of the opening's width and height left out on each side: frame, handle, a pose that is
-    #: not exact.
+    #: Share of the opening's width and height left out on each side (frame, errors of the pose).
     margin: float = 0.15
-    #: Points along and up the leaf that are looked at.
+    #: Number of points along and up the leaf that are projected into the photo.
     points: tuple[int, int] = (48, 96)
-    #: Least share of them in the photo and in sight.
+    #: Least share of these points that lies in the photo and is not hidden by a wall of the room.
     least_seen: float = 0.33
-    #: Least share of those that no floor, wall or ceiling covers, and most that a floor does: an
-    #: open door shows the next room.
+    #: Limits for the visible pixels of an opening: least share that is not labelled floor, wall or
+    #: ceiling, and largest share labelled floor (an open door shows the next room's floor).
     least_other: float = 0.65
     most_floor: float = 0.05
-    #: Least mean probability of a door: furniture before a wrong place of a photo has .00 to .13.
+    #: Least mean probability of a door over these pixels. Where a photo's pose is wrong, furniture
+    #: at the place of the door has .00 to .13.
     least_door: float = 0.16
-    #: Probability of a leaf that is clearly one, open or shut: frames and what is behind an open
-    #: door have less. Its border (share of the photo's width) is left out; the rest has at least
-    #: that share of the photo.
+    #: Pixels with at least this probability of a door lie surely on a leaf, open or shut: frames
+    #: and what is seen behind an open door have less. Regions of such pixels are eroded with a
+    #: square of side `border` (share of the photo's width) and kept if they then cover at least the
+    #: share `least_leaf` of the photo.
     sure: float = 0.89
     border: float = 0.02
     least_leaf: float = 0.01
@@ -49,9 +50,9 @@ def seen_doors(
 ) -> Iterator[tuple[str, np.ndarray]]:
     """Yield (opening id, pixels (n, 2) int of row and column) of the leaves of a photo's doors.
 
-    The id is empty of a leaf whose opening is not known. `labels` (h, w) uint8 are those of
-    `labels.palette`; `doors` (h', w') float how likely each pixel is of a door, at any resolution;
-    `pose` that of a located photo; `shapes` the house's rooms (`plan_view.room_shapes`).
+    The id is empty if a leaf's opening is not known. `labels` (h, w) uint8 are those of
+    `labels.palette`; `doors` (h', w') float is the door probability, at any resolution; `pose` is
+    that of a located photo, or None; `shapes` are the house's rooms (`plan_view.room_shapes`).
     """
     holes = {} if pose is None else dict(_holes_in_sight(labels, pose, shapes))
     opened: set[str] = set()
@@ -71,14 +72,14 @@ def seen_doors(
             and (found == FLOOR).mean() <= DOORS.most_floor
             and likely.mean() >= DOORS.least_door
         ):
-            # Of what is no leaf (an open door, things before it) the network is less sure.
+            # The door probability is lower off the leaf: behind an open door, on things in front.
             yield name, places[other & (likely >= likely[other].mean())]
 
 
 def _holes_in_sight(
     labels: np.ndarray, pose: Pose, shapes: Mapping[str, RoomShape]
 ) -> Iterator[tuple[str, np.ndarray]]:
-    """Yield (opening id, pixels (n, 2)) of the doors of the photo's room that it shows."""
+    """Yield (opening id, visible pixels (n, 2)) of the doors of the pose's room."""
     shape = shapes[pose.room_id]
     camera = replace(pose.camera, position=pose.position)
     for index, hole in enumerate(shape.holes):
@@ -97,7 +98,7 @@ def _holes_in_sight(
 
 
 def _sure_leaves(labels: np.ndarray, doors: np.ndarray) -> list[np.ndarray]:
-    """Return the pixels (n, 2) of each leaf that is clearly one, the largest first."""
+    """Return the pixels (n, 2) of each region that is surely a door leaf, the largest first."""
     height, width = labels.shape
     likely = cv2.resize(np.asarray(doors, dtype=np.float32), (width, height))
     sure = (likely >= DOORS.sure) & (labels == OTHER)
@@ -109,9 +110,9 @@ def _sure_leaves(labels: np.ndarray, doors: np.ndarray) -> list[np.ndarray]:
 
 
 def _gap(leaf: np.ndarray, places: np.ndarray) -> float:
-    """Return how many columns a leaf is off an opening, less that opening's width.
+    """Return the gap in columns between a leaf and an opening, minus the opening's width.
 
-    A leaf that stands open is beside its opening.
+    It is at most 0 for a leaf that may belong to the opening: an open leaf stands beside it.
     """
     low, high = places[:, 1].min(), places[:, 1].max()
     between = max(leaf[:, 1].min() - high, low - leaf[:, 1].max(), 0)
@@ -119,7 +120,7 @@ def _gap(leaf: np.ndarray, places: np.ndarray) -> float:
 
 
 def _leaf_points(shape: RoomShape, hole: Hole) -> np.ndarray:
-    """Return points (n, 3) of a door leaf off its borders, in the plan's frame."""
+    """Return points (n, 3) of a door leaf, away from its borders, in the plan's frame."""
     part = np.linspace(DOORS.margin, 1.0 - DOORS.margin, max(DOORS.points))
     along = hole.start + (hole.end - hole.start) * part[:: len(part) // DOORS.points[0]]
     up = hole.bottom + (hole.top - hole.bottom) * part

@@ -1,8 +1,8 @@
 """Planes of a located photo: which room's floor, wall or ceiling each labelled pixel shows.
 
-The mask says what kind of surface a pixel shows, the plan whose: within the room's walls its own,
-through a door or passage the room's behind it. Pixels near the border of two owners have none,
-since plan and pose are a few centimetres off.
+The mask gives the kind of surface of a pixel. The plan gives its room: the pose's own room within
+its walls, or the room behind, seen through a door or passage. Pixels near the border between two
+rooms get no room, since plan and pose are a few centimetres off.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ from plan2scene.photos.planes.walls import PLANES
 
 #: Kinds of opening through which a room is seen.
 OPEN = ("door", "passage")
-COARSE = 4  #: Pixels of a photo for one that tells whether it shows its room
+COARSE = 4  #: :func:`shows_its_room` reduces the labels by this factor in both directions
 
 
 def seen_planes(
     labels: np.ndarray, pose: Pose, shapes: Mapping[str, RoomShape]
 ) -> list[PhotoPlane]:
-    """Return floor, ceiling and walls of the pose's room, then those of rooms behind its doors.
+    """Return floors, ceilings and walls of the pose's room and of the rooms behind its doors.
 
-    `labels` (h, w) uint8 are the photo's mask, of the camera's size, `shapes` the house's rooms
-    (`plan_view.room_shapes`). The planes are in the plan's frame (as `pose.camera`), their scale is
-    the plan's. Indices run on over the rooms, so that each plane of a surface has its own. No plane
-    where pose and mask contradict each other.
+    `labels` (h, w) uint8 are the photo's mask, of the camera's size; `shapes` are the house's rooms
+    (`plan_view.room_shapes`). The planes are in the plan's frame (as `pose.camera`) and scale. The
+    planes of one surface are numbered through all rooms, the pose's own room first. The list is
+    empty if pose and mask contradict each other (`LOCATE.min_explained`).
     """
     directions = np.arange(LOCATE.directions) * (2 * np.pi / LOCATE.directions)
     eyes = np.repeat(pose.eye[None, [0, 2]], LOCATE.directions, axis=0)
@@ -54,7 +54,7 @@ def seen_planes(
         planes = []
         for room_id, bare, mine in owners:
             if np.count_nonzero(mine) < PLANES.min_share * labels.size:
-                continue  # specks at most, which take long to find
+                continue  # only specks; `without_specks` would be slow
             mask = np.zeros(labels.shape, bool)
             mask[rows[mine], columns[mine]] = True
             mask = without_specks(mask)
@@ -75,9 +75,9 @@ def seen_planes(
 
 
 def shows_its_room(labels: np.ndarray, pose: Pose, shapes: Mapping[str, RoomShape]) -> bool:
-    """Return whether a photo of labels (h, w) uint8 shows the room that its pose stands in.
+    """Return whether a photo with labels (h, w) uint8 shows the room that its pose stands in.
 
-    Labels that contradict the pose (no plane) do not tell. Every `COARSE`-th pixel is looked at.
+    It is True, too, if the labels contradict the pose (no plane is found).
     """
     size = labels.shape[0] // COARSE, labels.shape[1] // COARSE
     small = cv2.resize(labels, size[::-1], interpolation=cv2.INTER_NEAREST)
@@ -90,9 +90,9 @@ def shows_its_room(labels: np.ndarray, pose: Pose, shapes: Mapping[str, RoomShap
 def _flat_owners(
     surface: str, pose: Pose, shapes: Mapping[str, RoomShape], sight: Sight, slope: np.ndarray
 ) -> Iterator[tuple[str, Plane, np.ndarray]]:
-    """Yield (room, its plane without a mask, pixels (n,) bool) of floor or ceiling pixels.
+    """Yield (room, its plane without a mask, pixels (n,) bool) for floor or ceiling pixels.
 
-    `sight` is what the pixels' rays meet, `slope` (n,) how many metres they rise for each ahead.
+    `sight` is what the pixels' rays meet; `slope` (n,) is their rise per horizontal metre.
     """
     shape = shapes[pose.room_id]
     slack = LOCATE.off_share * sight.reach + LOCATE.off_m
@@ -116,7 +116,7 @@ def _flat_owners(
 def _wall_owners(
     pose: Pose, shapes: Mapping[str, RoomShape], sight: Sight, slope: np.ndarray
 ) -> Iterator[tuple[str, Plane, np.ndarray]]:
-    """Yield the same of wall pixels."""
+    """Yield the same as :func:`_flat_owners`, for wall pixels and each plane of walls."""
     shape = shapes[pose.room_id]
     level = pose.position[1] + slope * sight.reach
     near_hole = np.zeros(len(level), bool)
@@ -141,7 +141,7 @@ def _wall_owners(
 
 
 def _open_to(shape: RoomShape, sight: Sight) -> np.ndarray:
-    """Return the room (n,) str behind the door or passage that each direction meets; "" else."""
+    """Return the room (n,) str behind the door or passage that each ray meets, "" if none."""
     names = [
         (hole.room_behind or "") if hole.kind in OPEN and hole.bottom <= 0.0 else ""
         for hole in shape.holes
@@ -156,7 +156,7 @@ def _rooms_behind(shape: RoomShape) -> tuple[str, ...]:
 
 
 def _wall_planes(pose: Pose, shape: RoomShape) -> Iterator[tuple[Plane, np.ndarray]]:
-    """Yield the planes of a room's walls that face the camera, with the edges on each."""
+    """Yield each plane of a room's walls that faces the camera, with the edges that lie in it."""
     eye = pose.eye[[0, 2]]
     distance = ((shape.start - eye) * shape.outward).sum(axis=1)
     keys = np.round(np.column_stack([shape.outward, distance]), 2)
@@ -168,6 +168,6 @@ def _wall_planes(pose: Pose, shape: RoomShape) -> Iterator[tuple[Plane, np.ndarr
 
 
 def _plane(surface: str, normal: tuple[float, float, float], offset: float, pose: Pose) -> Plane:
-    """Return a plane without pixels whose scale is the plan's."""
+    """Return a plane with an empty mask, in the plan's scale."""
     nothing = np.zeros((0, 0), bool)
     return Plane(surface, 0, normal, offset, nothing, "plan", pose.position[1])

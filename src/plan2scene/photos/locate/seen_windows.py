@@ -1,4 +1,4 @@
-"""Windows that located photos show in outer walls of a house whose plan draws none."""
+"""Find the windows that located photos show in outer walls of a house whose plan draws none."""
 
 from __future__ import annotations
 
@@ -27,25 +27,25 @@ from plan2scene.plans.parse import Source
 
 @dataclass(frozen=True)
 class SeenWindowSettings:
-    """When photos show a window, metres. Usual sizes; `sure` was looked at on three listings."""
+    """When photos show a window, metres. Usual sizes; `sure` was checked by eye on 3 listings."""
 
-    cell: float = 0.05  #: side of the cells of a wall that are looked at
-    highest: float = 2.4  #: above the floor
-    sure: float = 0.65  #: mean probability of a window from which a cell is of one
-    bridged: float = 0.25  #: mullions, curtains and things before it are no gap
-    least: float = 0.4  #: width and height of a window
-    door: float = 0.35  #: one that begins below this reaches the floor
-    head: float = 1.5  #: least height of its top above the floor
+    cell: float = 0.05  #: side of the cells into which a wall is divided
+    highest: float = 2.4  #: height above the floor up to which cells are looked at
+    sure: float = 0.65  #: least mean probability of a window in a cell that belongs to one
+    bridged: float = 0.25  #: gaps up to about this size are closed (mullions, curtains, furniture)
+    least: float = 0.4  #: least width and height of a window
+    door: float = 0.35  #: a window that begins below this height reaches the floor
+    head: float = 1.5  #: least height of a window's top above the floor
 
 
 SEEN_WINDOWS = SeenWindowSettings()
 
 
 def with_seen_windows(house: House, shots: Mapping[str, Shot], poses: Mapping[str, Pose]) -> House:
-    """Return a house whose guessed windows are those that its photos show, where they show any.
+    """Return a house in which the windows that its photos show replace the guessed ones.
 
-    `poses` are those of :func:`.locate_photos.locate_shots`; a room without a window in a located
-    photo keeps its guesses.
+    `poses` are those of :func:`.locate_photos.locate_shots`. A room keeps its guesses if no located
+    photo shows a window in it.
     """
     shapes = searched_shapes(house)
     found: dict[str, list[Segment]] = {}
@@ -70,7 +70,7 @@ def with_seen_windows(house: House, shots: Mapping[str, Shot], poses: Mapping[st
         own = [placed.get(wall.id, wall) for wall in walls if room_id in wall.room_ids]
         for number, segment in enumerate(segments):
             named = replace(segment, id=f"seen_window_{len(placed)}_{number}")
-            # One beside no wall is left out: the edge of a room may have several, or none.
+            # A window beside no wall is left out: an edge of a room may have several walls or none.
             with suppress(InputError):
                 own = place_openings(Source("photos", house.id), own, [named], tolerance=0.5)
         placed |= {wall.id: wall for wall in own}
@@ -83,7 +83,7 @@ def _likely(
     number: int,
     views: Sequence[tuple[Shot, Pose]],
 ) -> np.ndarray:
-    """Return how likely each cell (up, along) of a stretch of wall is of a window; 0 if unseen."""
+    """Return the mean window probability of a wall's cells (up, along); 0 where unseen."""
     hole = shape.holes[number]
     cell = SEEN_WINDOWS.cell
     along = np.arange(hole.start + cell / 2, hole.end, cell)
@@ -108,14 +108,14 @@ def _likely(
 
 
 def _window(shot: Shot) -> np.ndarray:
-    """Return how likely each pixel of a photo (h, w) is of a window."""
+    """Return the window probability (h, w) of each pixel of a photo."""
     if shot.probabilities is None:
         return np.asarray(shot.labels == WINDOW, dtype=np.float32)
     return cv2.resize(shot.probabilities[WINDOW], shot.labels.shape[::-1])
 
 
 def _segments(shape: RoomShape, hole: Hole, likely: np.ndarray) -> Iterator[Segment]:
-    """Yield the windows of a stretch of wall."""
+    """Yield the windows of a stretch of wall; `likely` are the cells of :func:`_likely`."""
     cell = SEEN_WINDOWS.cell
     sure = np.asarray(likely >= SEEN_WINDOWS.sure, np.uint8)
     kernel = np.ones((1 + round(SEEN_WINDOWS.bridged / cell),) * 2, np.uint8)

@@ -1,4 +1,4 @@
-"""Photos that were taken from one spot, or see the same things: they are located together."""
+"""Group photos that were taken from one spot or see the same things, to locate them together."""
 
 from __future__ import annotations
 
@@ -9,26 +9,26 @@ import numpy as np
 
 from plan2scene.photos.locate.search import Hypothesis
 
-#: Photos of one spot or of the same things, the lesser name first, and their quarter turns of 0 to
-#: 3: by how much the turn from the second one's Manhattan frame to the plan is larger than the
-#: first one's.
+#: Pairs of photos from one spot or of the same things, the lesser name first, with a number of
+#: quarter turns, 0 to 3: the turn from the second photo's Manhattan frame to the plan minus that of
+#: the first photo.
 Turned = Mapping[tuple[str, str], int]
 
 
 @dataclass(frozen=True)
 class Spot:
-    """Photos of one spot."""
+    """Photos taken from one spot."""
 
-    #: The turn of each photo's frame less that of the first one's, quarter turns of 0 to 3.
+    #: The turn of each photo's frame minus that of the first photo, quarter turns, 0 to 3.
     quarters: Mapping[str, int]
-    #: Rooms that it may lie in.
+    #: Rooms that the spot may lie in.
     rooms: tuple[str, ...]
 
 
 def spots_of(rooms: Mapping[str, Sequence[str]], same_spot: Turned) -> list[Spot]:
-    """Return the spots of photos, each of which may have been taken in `rooms`, in their order.
+    """Group photos into spots, in the order of `rooms` (photo -> rooms it may be taken in).
 
-    Photos of which no room is common are not of one spot.
+    Photos without a common room are not put into one spot.
     """
     ties: dict[str, dict[str, int]] = {name: {} for name in rooms}
     for (one, other), quarters in same_spot.items():
@@ -55,10 +55,11 @@ def spots_of(rooms: Mapping[str, Sequence[str]], same_spot: Turned) -> list[Spot
 def with_common_headings(
     spots: Sequence[Spot], hypotheses: Sequence[Sequence[Hypothesis]], turned: Turned
 ) -> list[list[Hypothesis]]:
-    """Return the poses of each spot, best first, scored by what all spots say that are `turned`.
+    """Return the poses of each spot, best first, with one score of each heading for tied spots.
 
-    A heading counts by the best poses of all spots at it, as if they were photos of one spot:
-    their sum over the root of their number. Rooms and positions at a heading keep their leads.
+    Spots are tied by `turned`. The score of a heading is the sum of the best scores of all tied
+    spots at it, divided by the square root of their number, as for photos of one spot. Differences
+    in score between rooms and positions at one heading stay.
     """
     spot_of = {name: number for number, spot in enumerate(spots) for name in spot.quarters}
     ties: list[list[tuple[int, int]]] = [[] for _ in spots]
@@ -103,5 +104,5 @@ def with_common_headings(
 
 
 def _heading(pose: Hypothesis, start: float, more: int) -> int:
-    """Return the quarter turns, 0 to 3, from `start` to a pose's turn less `more` of them."""
+    """Return the quarter turns from `start` to a pose's turn, minus `more`; 0 to 3."""
     return int(np.round((pose.turn - start) / (np.pi / 2) - more)) % 4

@@ -1,8 +1,8 @@
-"""Which room each photo shows: all evidence together, all photos of a home jointly.
+"""Find the room that each photo shows, from all evidence, for all photos of a home jointly.
 
-A photo alone hardly tells its room. What counts: how well its labels agree with each room of the
-plan, what the room is used for, photos that show the same things, the photo's name, and that
-people photograph every main room of a home before they photograph one often.
+One photo alone hardly determines its room. The evidence: how well the photo's labels agree with
+each room of the plan, what the room is used for, other photos of the same things, the photo's name,
+and that people photograph every main room of a home before they take many photos of one.
 """
 
 from __future__ import annotations
@@ -20,9 +20,10 @@ from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.room_names import room_types
 from plan2scene.seeds import generator
 
-#: Room types and the kinds that photos of them look like; other types may be of any kind.
+#: Kind (of `KINDS`) of each room type; a room of another type may be of any kind.
 KIND_OF = {kind: kind for kind in KINDS} | {"Entrance": "Corridor", "Staircase": "Corridor"}
-#: What photos of a room of a kind look like: many kitchens have a table, many bedrooms a desk.
+#: For rooms of each kind, the shares of the kinds that their photos look like: many kitchens have a
+#: table, many bedrooms a desk.
 LOOKS = {
     "Reception": {"Reception": 0.8, "Kitchen": 0.1, "Bedroom": 0.1},
     "Bedroom": {"Bedroom": 0.8, "Reception": 0.2},
@@ -31,47 +32,47 @@ LOOKS = {
     "Corridor": {"Corridor": 0.8, "Bathroom": 0.1, "Closet": 0.1},
     "Closet": {"Closet": 0.6, "Corridor": 0.2, "Bathroom": 0.2},
 }
-#: Name of no room: a garden, a facade, a face.
+#: Id for "no room": the photo shows a garden, a facade, a face.
 NOWHERE = ""
 
 
 @dataclass(frozen=True)
 class WhichRoomSettings:
-    """Weights of the evidence, in e-folds of probability.
+    """Weights of the evidence, added to log odds (natural logarithm).
 
     Source: set by hand on two listings (development), reported on others.
     """
 
-    #: Of a unit of the score of the best pose in a room, and the most that it can tell.
+    #: Weight of the score of the best pose in a room, and the most it takes off against the best.
     place: float = 12.0
     most_place: float = 2.0
-    #: Of the logarithm of the classifier's odds, and how often it knows nothing.
+    #: Weight of the log odds of the room classifier, and the share of photos that it cannot judge.
     kind: float = 1.4
     unknown: float = 0.2
-    #: Of a name whose words are all those of a room: people give other names than their plan.
-    #: Chosen on four listings with the files' names and two flats (development).
+    #: Weight of a photo's name if all its known words fit the room: people use other names than
+    #: their plan. Chosen on four listings with the files' names and two flats (development).
     name: float = 2.0
-    #: Of photos that see the same things.
+    #: Weight of a tie between two photos in one room: they see the same things.
     tie: float = 4.0
-    #: They are wrong together: what each tells, and how often its room is photographed, counts
-    #: less, by this power of how many.
+    #: Tied photos make the same mistakes. The evidence of each photo alone, and how often its room
+    #: is photographed, is multiplied by (1 + number of photos tied to it) to the power of -this.
     repeated: float = 0.5
-    #: Of the likeness of two photos in one room (`matches.likeness`) above what is usual. Those of
-    #: a room are not independent: the sum over them counts by the root of their number.
-    #: Chosen on two listings, reported on two others and two flats (development).
+    #: Weight of the likeness of two photos in one room (`matches.likeness`), after `usually_alike`
+    #: is subtracted. Photos of a room are not independent: their sum is divided by the square root
+    #: of their number. Chosen on two listings, reported on two others and two flats (development).
     alike: float = 3.0
     usually_alike: float = 0.2
-    #: Share of that for photos on one storey, where floors go on from room to room. Chosen on a
-    #: listing of two storeys, looked at on another.
+    #: Factor of the same evidence for photos on one storey, where a floor often continues from room
+    #: to room. Chosen on a listing of two storeys, looked at on another.
     storey: float = 0.3
-    #: Share of a tie where the rooms are open to each other.
+    #: Factor of `tie` if the photos are in two rooms that are open to each other.
     open_tie: float = 0.7
-    #: Taken for each of at most so many photos in the same room that no ties lead to: most photos
-    #: of one room have something in common.
+    #: Subtracted for each photo in the same room that no chain of ties connects to this one, for at
+    #: most `most_untied` photos: most photos of one room have something in common.
     untied: float = 0.3
     most_untied: int = 4
-    #: How often rooms are photographed, by type; others as a closet. A larger room than the usual
-    #: one of its types is, by this power of how many times it is as large.
+    #: `photographed`: how often rooms are photographed, by type; `rarely` for other types. It is
+    #: multiplied by (area / geometric mean area of the home's rooms of its types) ** `larger`.
     larger: float = 0.5
     photographed: dict[str, float] = field(
         default_factory=lambda: {
@@ -86,19 +87,20 @@ class WhichRoomSettings:
         }
     )
     rarely: float = 0.15
-    #: A main room that no other photo shows is more probable by this.
+    #: Added to the log odds of a room of a `main` type that no other photo shows.
     first: float = 2.0
     main: tuple[str, ...] = ("Reception", "Kitchen", "Bedroom", "Bathroom")
-    #: Probability that a photo shows no room, without evidence.
+    #: Prior weight of no room, against 1 for each room.
     nowhere: float = 0.03
-    #: A room less probable than this is a guess: the photo more likely shows another. Rooms that
-    #: no photo shows more surely are made of it where it so probably shows one of their kind.
+    #: A photo's most probable room is a guess if it is less probable than this. A guess is used for
+    #: a room that no photo shows with at least this probability, and only if the photo shows a room
+    #: of the same kind with at least this probability.
     least: float = 0.5
-    #: Of the guesses for a room those are used that are so nearly as probable as the best: others
-    #: are photos of other rooms, which would mix floors. Seen on one listing; of six photos of four
-    #: that .8 used and this does not, five show another room.
+    #: Of the guesses for a room, those with at least this share of the best one's probability are
+    #: used: others show other rooms, which would mix floors. Seen on one listing; of six photos of
+    #: four listings that .8 used and this does not, five show another room.
     near_best: float = 0.95
-    #: Sweeps of the sampler that count, those before, and groups that move in each.
+    #: Sweeps of the sampler that count, sweeps before them, and groups moved in each sweep.
     sweeps: int = 1500
     warm: int = 300
     groups: int = 5
@@ -109,21 +111,21 @@ WHICH = WhichRoomSettings()
 
 @dataclass(frozen=True)
 class PhotoEvidence:
-    """What one photo tells of its room."""
+    """Evidence of the room of one photo."""
 
-    #: Rooms that the photo table names; then nothing else counts.
+    #: Rooms that the photo table names for it; if any, other evidence is ignored.
     told: tuple[str, ...] = ()
     #: Score of the best pose in each room; empty where the photo has no frame.
     scores: Mapping[str, float] = field(default_factory=dict)
-    #: How probable each of `KINDS` is, (k,) in [0, 1]; all 0 for a photo of no room; None where
-    #: nothing told it.
+    #: Probability of each of `KINDS`, (k,) in [0, 1]; all 0 for a photo of no room; None if
+    #: unknown.
     kinds: np.ndarray | None = None
     #: Share of the photo's name that fits each room (:func:`fitting_rooms`).
     named: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def tells(self) -> bool:
-        """Whether anything is known."""
+        """Whether there is any evidence."""
         return bool(self.told or self.scores or self.named) or self.kinds is not None
 
 
@@ -133,12 +135,11 @@ def room_probabilities(
     tied: Collection[tuple[str, str]],
     alike: Mapping[tuple[str, str], float],
 ) -> dict[str, dict[str, float]]:
-    """Return how probable each room is for each photo; `NOWHERE` for none.
+    """Return the probability of each room for each photo; the key `NOWHERE` is no room.
 
-    `tied` are the pairs of photos that see the same things, `alike` tells how alike pairs look
-    (:func:`plan2scene.photos.matches.likeness`). Gibbs sampling of the rooms of all
-    photos, alone and together with those that they are tied to: the same input gives the same
-    numbers.
+    `tied` are the pairs of photos that see the same things, `alike` is the likeness of pairs
+    (:func:`plan2scene.photos.matches.likeness`). The method is Gibbs sampling of the rooms of all
+    photos; it moves single photos and groups of tied ones. The same input gives the same numbers.
     """
     names, rooms = sorted(photos), [room.id for room in house.rooms]
     if not names:
@@ -159,7 +160,7 @@ def room_probabilities(
     seen = np.zeros((len(names), len(rooms) + 1))
 
     def moved(group: Sequence[int]) -> np.ndarray:
-        """Draw a room for photos of one room; return how probable each was."""
+        """Draw a new room for a group of photos in one room; return each room's probability."""
         here, held = state[group[0]], set(group)
         counts[here] -= len(group)
         log = alone[group].sum(axis=0) + np.where(counts == 0, first, 0.0)
@@ -172,14 +173,14 @@ def room_probabilities(
             together = np.bincount(state, looks[k], len(counts))
             together[here] -= looks[k, group].sum()
             log[:-1] += (together / np.sqrt(np.maximum(counts, 1.0)))[:-1]
-            if not one_storey.all():  # else it says the same of all rooms
+            if not one_storey.all():  # on a single storey it is the same for all rooms
                 sums, there = one_storey @ together[:-1], one_storey @ counts[:-1]
                 storey = sums / np.sqrt(np.maximum(there, 1.0))
                 log[:-1] += WHICH.storey * (storey - storey.mean())
             for other in pairs[k]:
                 log += WHICH.tie * (near.diagonal() / 2 if other in held else near[state[other]])
                 if len(group) > 1 and other not in held:
-                    log[state[other]] = -np.inf  # there the group would be another one
+                    log[state[other]] = -np.inf  # there the tied photo would join the group
         odds = np.exp(log - log.max())
         state[group] = np.searchsorted(np.cumsum(odds), rng.random() * odds.sum())
         counts[state[group[0]]] += len(group)
@@ -214,10 +215,10 @@ def room_probabilities(
 
 
 def fitting_rooms(house: House, name: str) -> dict[str, float]:
-    """Return how much of a photo's name fits each room, of the words that fit any; empty for none.
+    """Return, for each room that fits a photo's name, its share of all rooms' matched words.
 
-    A room's words are those of its name, id and types: "master_bedroom_2" fits a room "Master",
-    a bedroom, better than another bedroom.
+    A room's words are those of its name, id and types: "master_bedroom_2" fits a bedroom called
+    "Master" better than another bedroom. Rooms without a matched word are left out.
     """
     said = _words(name) | {kind.lower() for kind in room_types(name.replace("_", " "))}
     fits = {
@@ -243,7 +244,7 @@ def _words(text: str) -> set[str]:
 
 
 def _is_word(own: str, word: str) -> bool:
-    """Return whether a word is another, or begins or ends with it if that is long."""
+    """Return whether `own` equals `word`, or begins or ends with it if `word` is long."""
     return own == word or (len(word) >= 5 and (own.startswith(word) or own.endswith(word)))
 
 
@@ -252,12 +253,12 @@ class Likely(NamedTuple):
 
     room_id: str
     probability: float
-    #: How probable it is that the photo shows a room of one of its types.
+    #: Probability that the photo shows this room or another of one of its types.
     of_kind: float
 
 
 def likely_room(house: House, rooms: Mapping[str, float]) -> Likely:
-    """Return the most probable room of :func:`room_probabilities`."""
+    """Return the most probable room; `rooms` is one photo's entry of :func:`room_probabilities`."""
     best, probability = max(rooms.items(), key=lambda item: item[1])
     types = set(house.room(best).types) if best != NOWHERE else set()
     alike = [room.id for room in house.rooms if types & set(room.types)] or [best]
@@ -265,9 +266,9 @@ def likely_room(house: House, rooms: Mapping[str, float]) -> Likely:
 
 
 def used_photos(likely: Mapping[str, Likely], told: Collection[str]) -> set[str]:
-    """Return the photos that rooms are made of, by what :func:`likely_room` says of each.
+    """Return the photos whose most probable room (:func:`likely_room`) is used as their room.
 
-    Guesses are used for rooms that neither a surer photo nor the photo table (`told`) shows.
+    A guess is used only if neither the photo table (`told`) nor a surer photo shows its room.
     """
     best = dict.fromkeys(told, 1.0)
     for room, p, _ in likely.values():
@@ -288,7 +289,7 @@ def used_photos(likely: Mapping[str, Likely], told: Collection[str]) -> set[str]
 
 
 def _reached(photo: int, pairs: Sequence[Sequence[int]], among: Collection[int]) -> set[int]:
-    """Return a photo, those `among` others that are tied to it, those tied to them, and so on."""
+    """Return the photos `among` others that a chain of ties connects to a photo, and itself."""
     found, todo = {photo}, [photo]
     while todo:
         for other in pairs[todo.pop()]:
@@ -299,7 +300,7 @@ def _reached(photo: int, pairs: Sequence[Sequence[int]], among: Collection[int])
 
 
 def _alone(house: House, photo: PhotoEvidence) -> np.ndarray:
-    """Return what a photo tells by itself, (rooms + 1,) log odds; the last is no room."""
+    """Return the log odds (rooms + 1,) of the rooms from one photo alone; the last is no room."""
     log = np.zeros(len(house.rooms) + 1)
     if photo.told:
         log[[room.id not in photo.told for room in house.rooms] + [True]] = -1e3
@@ -326,13 +327,13 @@ def _alone(house: House, photo: PhotoEvidence) -> np.ndarray:
 
 
 def _looks(room: Room) -> np.ndarray:
-    """Return the shares (k,) of `KINDS` that photos of a room look like."""
+    """Return the share (k,) of a room's photos that look like each of `KINDS`."""
     kinds = [KIND_OF[kind] for kind in room.types if kind in KIND_OF] or list(KINDS)
     return np.array([[LOOKS[kind].get(k, 0.0) for k in KINDS] for kind in kinds]).mean(axis=0)
 
 
 def _frequency(house: House) -> tuple[np.ndarray, np.ndarray]:
-    """Return how often each room is photographed, and what a first photo of it adds."""
+    """Return how often each room is photographed, and the bonus of its first photo (log odds)."""
     often, first = [], []
     areas = {room.id: max(room_polygon(room).area, 0.1) for room in house.rooms}
     for room in house.rooms:
@@ -345,7 +346,7 @@ def _frequency(house: House) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _nearness(house: House) -> np.ndarray:
-    """Return (rooms + 1, rooms + 1) of how much photos of two rooms may be tied."""
+    """Return the factor of a tie (rooms + 1, rooms + 1) between photos in two rooms, 0 to 1."""
     index = {room.id: k for k, room in enumerate(house.rooms)}
     near = np.eye(len(index) + 1)
     near[-1, -1] = 0.5
@@ -356,7 +357,7 @@ def _nearness(house: House) -> np.ndarray:
 
 
 def _looks_together(names: Sequence[str], alike: Mapping[tuple[str, str], float]) -> np.ndarray:
-    """Return (n, n) of how much two photos' looks speak for one room; 0 where they are unknown."""
+    """Return the log odds (n, n) that two photos show one room, from their looks; 0 if unknown."""
     index = {name: k for k, name in enumerate(names)}
     found = np.zeros((len(names), len(names)))
     for (a, b), value in alike.items():

@@ -1,1 +1,1 @@
-"""Patterns of floors: planks and tiles, their size and direction, from located photos."""
+"""Find patterns in photos: planks and tiles of floors, with size and direction; bands of walls."""

@@ -1,8 +1,8 @@
-"""Walls in bands: of another colour up to some height, all around their room.
+"""Find walls in bands: up to some height all walls of a room have another colour.
 
-Tiles, panels and paint end at a height; light fades, and seldom changes its colour. So bands are
-believed where the colour steps at one height along most of a wall, and where several views of the
-room's walls agree on it.
+Tiles, panels and paint end sharply at one height, while light fades and seldom changes its colour.
+So a band is accepted only if the colour steps at one height along most of a wall, and if several
+views of the room's walls agree on that height.
 """
 
 from __future__ import annotations
@@ -23,22 +23,23 @@ from plan2scene.photos.planes.rectification import rectify
 class BandSettings:
     """Constants chosen on synthetic walls and on two development homes without bands."""
 
-    photo_px: int = 900  #: longer side that a photo is reduced to
-    px_per_m: float = 40.0  #: of the walls that are read
+    photo_px: int = 900  #: longer side to which a photo is reduced
+    px_per_m: float = 40.0  #: resolution of the rectified walls
     column_m: float = 0.1  #: width of the columns whose colours are compared
-    strip_m: float = 0.16  #: height of what is compared above and below a step
-    gap_m: float = 0.04  #: left out between them, on either side of the step
-    heights_m: tuple[float, float] = (0.45, 2.1)  #: of a step above the floor
-    #: Dados and low panels end below this; tiles of baths may reach up to a door's head.
+    strip_m: float = 0.16  #: height of the strips that are compared above and below a step
+    gap_m: float = 0.04  #: gap between the step and the strip on either side
+    heights_m: tuple[float, float] = (0.45, 2.1)  #: range of a step's height above the floor
+    #: Largest height of a step outside bathrooms (dados, low panels); the tiles of bathrooms may
+    #: reach up to a door's head.
     dry_m: float = 1.6
-    least_m: float = 0.8  #: width that shows it in a view
-    step: float = 0.25  #: change of log colour, that of brightness counted half
-    along: float = 0.75  #: share of the columns whose step is like the usual one
-    sharp: float = 2.5  #: times the change within the strips, that a step is at least
+    least_m: float = 0.8  #: least width over which a view shows a step
+    step: float = 0.25  #: least change of log colour, with brightness counted half
+    along: float = 0.75  #: least share of the columns whose step is like the median one
+    sharp: float = 2.5  #: least ratio of a step to the change within its strips
     same: float = 0.12  #: log ratio by which heights in located photos of a room may differ
-    unplaced: float = 0.35  #: the same of other photos, whose camera is taken to be 1.5 m high
-    views: int = 2  #: that have to show it: of one wall in several photos, or of several walls
-    most: float = 0.6  #: share of the width seen at its height that has to show it
+    unplaced: float = 0.35  #: the same for other photos, whose camera is assumed 1.5 m high
+    views: int = 2  #: least number of views with the step, of one wall or of several
+    most: float = 0.6  #: least share of the width seen at the step's height that shows it
 
 
 BANDS = BandSettings()
@@ -51,16 +52,16 @@ class WallView:
 
     photo: str
     room: str
-    plane: str  #: name of the plane, as the ids of its crops begin
-    camera_m: float  #: height of the camera, to which the crops' windows refer
-    placed: bool  #: whether its metres are the plan's
+    plane: str  #: name of the plane; the ids of its crops begin with it
+    camera_m: float  #: height of the camera, relative to which the crops' windows are given
+    placed: bool  #: whether its scale is the plan's
     step_m: float  #: height of the clearest step of colour; NaN for none
-    #: upper, step: (3,) float: Log of the linear RGB above it, and of that below it over that above
+    #: upper, step: (3,) float: log of the linear RGB above the step, and of the ratio below / above
     upper: np.ndarray
     step: np.ndarray
-    width_m: float  #: width along which it is seen
-    #: (n,) float: Width that is seen at and beside each height of `heights`, metres; 0 where it is
-    #: too little
+    width_m: float  #: width along which the step is seen
+    #: (n,) float: width that is seen both above and below each height of `heights`, metres; 0 where
+    #: that is too little
     widths: np.ndarray
 
 
@@ -68,8 +69,8 @@ class WallView:
 class WallBands:
     """Two bands of the walls of a room.
 
-    `split_m` above the floor; `upper` and `lower` (3,) linear RGB in the photos' light; `planes` of
-    the room's walls with the height of their camera.
+    They part at `split_m` above the floor; `upper` and `lower` (3,) are linear RGB in the photos'
+    light. `planes` are those of the room's walls, with the heights of their cameras.
     """
 
     split_m: float
@@ -86,7 +87,7 @@ def heights() -> np.ndarray:
 
 
 def wall_views(seen: PhotoPlanes) -> Iterator[WallView]:
-    """Yield the walls of known rooms that a photo shows largely enough."""
+    """Yield the walls of the photo's own room of which it shows a large enough part."""
     height, width = seen.image.shape[:2]
     scale = min(1.0, BANDS.photo_px / max(height, width))
     shape = max(1, round(height * scale)), max(1, round(width * scale))
@@ -115,13 +116,13 @@ def wall_views(seen: PhotoPlanes) -> Iterator[WallView]:
 def read_step(
     image: np.ndarray, mask: np.ndarray, top_m: float
 ) -> tuple[float, np.ndarray, np.ndarray, float, np.ndarray]:
-    """Return the clearest step of a wall: as of :class:`WallView`.
+    """Return the clearest step of a wall: `step_m` to `widths` of :class:`WallView`.
 
-    `image` (h, w, 3) uint8 sRGB at `BANDS.px_per_m`, `mask` (h, w) bool, whose top row is at
-    height `top_m`.
+    `image` (h, w, 3) uint8 sRGB at `BANDS.px_per_m`, `mask` (h, w) bool; their top row is at height
+    `top_m`.
     """
     logs = np.log(srgb_to_linear(image) + 0.01).astype(np.float32)
-    # Masks leave out what is near an edge: all pixels tell where it is, those of the wall whether.
+    # Masks leave out pixels near an edge. All pixels give its height, those of the mask confirm it.
     between = np.logical_or.accumulate(mask) & np.logical_or.accumulate(mask[::-1])[::-1]
     everything, sums = (_Strips.of(logs, part) for part in (between, mask))
     strip, gap = (round(m * BANDS.px_per_m) for m in (BANDS.strip_m, BANDS.gap_m))
@@ -141,7 +142,7 @@ def read_step(
         steps = (everything.mean(*below) - everything.mean(*above))[both]
         usual = np.median(steps, axis=0)
         size = _size(usual)
-        # What is above differs from what is below on the whole: no line, no shadow.
+        # The whole wall above must differ from that below: else it is only a line or a shadow.
         whole = (sums.mean(row + gap, len(image)) - sums.mean(0, row - gap))[both]
         alike = (_shared(steps, usual) > 0.5) & (_shared(whole, usual) > 0.5)
         half = strip // 2
@@ -157,7 +158,7 @@ def read_step(
     k = int(worth.argmax())
     if worth[k] <= 0.0:
         return float("nan"), np.zeros(3), np.zeros(3), 0.0, widths
-    # As clear wherever the edge lies within the gap.
+    # The step is as clear wherever the edge lies within the gap: take the mean of these heights.
     near = slice(max(k - 2 * gap, 0), k + 2 * gap + 1)
     weight = np.where(worth[near] >= 0.9 * worth[k], worth[near], 0.0)
     height = float(np.average(heights()[near], weights=weight))
@@ -165,7 +166,7 @@ def read_step(
 
 
 class _Strips:
-    """Sums down the columns of an image (h, n, 3) whose pixels count by `weight` (h, n)."""
+    """Cumulative sums down the columns of an image (h, n, 3) with a `weight` (h, n) per pixel."""
 
     def __init__(self, total: np.ndarray, weight: np.ndarray) -> None:
         self._total = np.pad(total.astype(np.float64).cumsum(axis=0), ((1, 0), (0, 0), (0, 0)))
@@ -173,7 +174,7 @@ class _Strips:
 
     @classmethod
     def of(cls, logs: np.ndarray, mask: np.ndarray) -> _Strips:
-        """Return the sums of the pixels (h, w, 3) of a mask (h, w) bool, in columns of a width."""
+        """Return the sums over a mask (h, w) bool of (h, w, 3), in columns of `BANDS.column_m`."""
         columns = max(1, round(mask.shape[1] / (BANDS.column_m * BANDS.px_per_m)))
         shape = (columns, mask.shape[0])
         weight = mask.astype(np.float32)
@@ -182,32 +183,32 @@ class _Strips:
         return cls(total.reshape(*count.shape, 3), count)
 
     def rows(self, first: int, last: int) -> np.ndarray:
-        """Return how many of the rows each column (n,) shows."""
+        """Return how many rows from `first` to before `last` each column (n,) shows."""
         return np.asarray(self._weight[last] - self._weight[first])
 
     def known(self, first: int, last: int) -> np.ndarray:
-        """Return which columns (n,) show most of the rows."""
+        """Return which columns (n,) show most of these rows."""
         return np.asarray(self.rows(first, last) >= 0.6 * (last - first))
 
     def mean(self, first: int, last: int) -> np.ndarray:
-        """Return the mean (n, 3) of the rows."""
+        """Return the mean colour (n, 3) of these rows in each column."""
         count = np.maximum(self._weight[last] - self._weight[first], 1e-6)
         return np.asarray((self._total[last] - self._total[first]) / count[:, None])
 
 
 def _size(step: np.ndarray) -> float:
-    """Return how large a change of log colour (3,) is, that of brightness counted half."""
+    """Return the size of a change of log colour (3,), with brightness counted half."""
     grey = float(step @ _GREY)
     return float(np.hypot(0.5 * grey, np.linalg.norm(step - grey)))
 
 
 def _shared(steps: np.ndarray, usual: np.ndarray) -> np.ndarray:
-    """Return how much of the usual step (3,) is in each of others (n, 3)."""
+    """Return the projection (n,) of steps (n, 3) on the usual step (3,): 1 for an equal step."""
     return np.asarray(steps @ usual / max(float(usual @ usual), 1e-9))
 
 
 def find_bands(views: Sequence[WallView], wet: Collection[str] = ()) -> dict[str, WallBands]:
-    """Return the rooms whose walls are in bands; those of `wet` rooms may part higher up."""
+    """Return the bands of each room whose walls have any; in `wet` rooms they may part higher."""
     found = {}
     for room in sorted({view.room for view in views}):
         mine = [view for view in views if view.room == room]
@@ -220,7 +221,7 @@ def find_bands(views: Sequence[WallView], wet: Collection[str] = ()) -> dict[str
 
 
 def _agreed(views: Sequence[WallView]) -> WallBands | None:
-    """Return the bands that most views of a room's walls show, None for none."""
+    """Return the bands on which most of a room's views (by width) agree; None if there are none."""
     stepped = [view for view in views if np.isfinite(view.step_m)]
     if not stepped:
         return None

@@ -1,4 +1,4 @@
-"""How floors are laid: what finding a pattern and laying it have in common."""
+"""Kinds and geometry of floor patterns, for finding them in photos and for laying them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-#: Kinds that a floor is laid by.
+#: Kinds of pattern that are laid from single units.
 LAID = ("planks", "tiles", "herringbone", "chevron")
 #: Pixels per metre of the images that patterns are read from and of the units cut out of them.
 PX_PER_M = 200.0
@@ -14,27 +14,27 @@ PX_PER_M = 200.0
 
 @dataclass(frozen=True)
 class Zigzag:
-    """How planks lie in columns."""
+    """A pattern of slanting planks in columns."""
 
     kind: str  #: ``herringbone`` or ``chevron``
-    #: width_m, length_m: of a plank across and along its long side, with half a joint on each side
+    #: width_m, length_m: sides of a plank, with half a joint on each side
     width_m: float
     length_m: float
-    slant_deg: float = 45.0  #: between planks and columns
+    slant_deg: float = 45.0  #: angle between planks and columns
 
     @property
     def period_m(self) -> tuple[float, float]:
-        """Return after how many metres it repeats along its columns and across them."""
+        """Return the pattern's periods along its columns and across them, metres."""
         sine = np.sin(np.radians(self.slant_deg))
         return float(self.width_m / sine), float(2 * self.length_m * sine)
 
     def planks(
         self, along: np.ndarray, across: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Return which plank is at places (n,), metres along the columns and across them.
+        """Find the plank at each place (n,), given in metres along and across the columns.
 
-        Its numbers (n, 2), and the places in it from its middle along and across it, metres; the
-        last is the distance to its border.
+        Returns the plank's numbers (n, 2), the place relative to its middle, along and across it,
+        and the distance of the place to its border, metres.
         """
         parts = self._chevron if self.kind == "chevron" else self._herringbone
         return parts(np.asarray(along, np.float64), np.asarray(across, np.float64))

@@ -1,4 +1,4 @@
-"""The pattern of a floor from all its views: what repeats in them at one size."""
+"""Find the pattern of a floor: the lines that repeat in all its views at one size."""
 
 from __future__ import annotations
 
@@ -28,43 +28,43 @@ from plan2scene.photos.patterns.zigzag import find_zigzag
 class FindSettings:
     """Constants chosen on renderings of procedural materials and by looking at real floors."""
 
-    same_size: float = 0.1  #: log ratio by which the scale of photos of one floor may differ
-    most_m2: float = 3.0  #: area from which on a larger view has no more weight
-    enough_m2: float = 2.0  #: area that all views have to show for full confidence
-    grain: float = 2.0  #: contrast kept along planks over that kept across them
-    wood: float = 3.0  #: the same of wood at least, of any direction
-    least_kept: float = 0.2  #: contrast kept along the grain of wood
-    grainy: tuple[float, float] = (0.05, 0.15)  #: `plain` and `clear` of wood and multiples
-    part: float = 0.7  #: score of a third or fifth of a distance, over its own, that makes it true
-    part_of_mosaic: float = 0.25  #: the same of squares, whose next are like all that is so near
-    plain: float = 0.16  #: score of floors without joints
-    clear: float = 0.36  #: score from which on there is no doubt
-    believed: float = 0.4  #: confidence under which a floor counts as plain
-    usual_looks: tuple[float, float] = (0.45, 0.26)  #: shares of floors of wood and of tiles
-    by_looks: float = 3.0  #: what log odds of wood over tiles by looks count
-    looked: float = 3.1  #: those of floors that may be either
+    same_size: float = 0.1  #: log ratio by which the scales of photos of one floor may differ
+    most_m2: float = 3.0  #: limit of the area by which a view is weighted
+    enough_m2: float = 2.0  #: total area of the views for full confidence
+    grain: float = 2.0  #: least ratio of contrast kept along and across lines for a clear grain
+    wood: float = 3.0  #: the same ratio for wood, over all views
+    least_kept: float = 0.2  #: least contrast kept along the grain of wood
+    grainy: tuple[float, float] = (0.05, 0.15)  #: `plain` and `clear` for scores of :func:`_combed`
+    part: float = 0.7  #: a third or fifth of a distance is the period from this share of its score
+    part_of_mosaic: float = 0.25  #: the same share for smaller squares of a mosaic
+    plain: float = 0.16  #: score of floors without joints: confidence 0
+    clear: float = 0.36  #: least score of joints beyond doubt: confidence 1
+    believed: float = 0.4  #: a floor with a lower confidence counts as plain
+    usual_looks: tuple[float, float] = (0.45, 0.26)  #: prior shares of floors of wood and of tiles
+    by_looks: float = 3.0  #: weight of the log odds of wood against tiles by looks
+    looked: float = 3.1  #: subtracted after this weight: value of floors that may be either
     #: Log odds of wood by length over width: short, long, not known.
     by_length: tuple[float, float, float] = (-1.2, 0.7, 1.2)
-    seen_px: float = 5e4  #: photo pixels of a floor, of which joints are missed half the time
-    usual: float = 0.9  #: worth of a width by the house's camera height, over one by its own
-    located: int = 2  #: views that give a room a direction of its own
-    least_length: float = 0.12  #: score of the joints across rows
-    alone: float = 2.0  #: times the score of all other lengths, for which half of that is enough
-    breaks: float = 0.3  #: of joints that come again, over their likeness: no rows
-    fades: float = 0.25  #: likeness of joints half a metre on, over that beside: less is no row
-    whole: float = 0.3  #: likeness of a floor of square tiles to itself, moved by a tile
-    #: times that light lines are clearer than dark ones, where joints are light: a dark joint is
-    #: bright on either side. Seen on two real flats (development), 1.0 and 2.1.
+    seen_px: float = 5e4  #: photo pixels of a floor at which joints are missed half of the time
+    usual: float = 0.9  #: weight of a width at the house's camera height; 1 at the view's own
+    located: int = 2  #: least number of located views for which a room has its own direction
+    least_length: float = 0.12  #: least score of the joints across rows
+    alone: float = 2.0  #: half of that is enough at this many times the score of other lengths
+    breaks: float = 0.3  #: rows: largest rise of the joints' likeness along them, over its start
+    fades: float = 0.25  #: rows: least likeness of the joints half a metre along, over its start
+    whole: float = 0.3  #: least likeness of a floor of square tiles to itself, moved by a tile
+    #: Joints are light only if light lines are this many times as clear as dark ones, since a dark
+    #: joint has bright sides. Seen on two real flats (development), 1.0 and 2.1.
     light: float = 1.2
-    square: float = 0.12  #: log ratio of the sides of square tiles
-    mosaic: tuple[float, float] = (0.05, 0.1)  #: score of none, and of one without doubt
-    widest_mosaic_m: float = 0.06
-    least_mosaic_m: float = 0.015
-    mosaic_px: float = 4.0  #: photo pixels of a square, from which on its size is sure
-    zigzag_views: int = 12  #: in which slanting planks are looked for
-    zigzag: tuple[float, float] = (0.06, 0.12)  #: score of none, and of one without doubt
-    plank: float = 2.2  #: length over width of planks, at least
-    widest_plank_m: float = 0.3
+    square: float = 0.12  #: largest log ratio of the sides of square tiles
+    mosaic: tuple[float, float] = (0.05, 0.1)  #: scores for confidence 0 and 1
+    widest_mosaic_m: float = 0.06  #: largest side of a mosaic's squares
+    least_mosaic_m: float = 0.015  #: least side of a mosaic's squares
+    mosaic_px: float = 4.0  #: least side of a square in photo pixels for full confidence
+    zigzag_views: int = 12  #: largest number of views that are searched for slanting planks
+    zigzag: tuple[float, float] = (0.06, 0.12)  #: scores for confidence 0 and 1
+    plank: float = 2.2  #: least length over width of planks
+    widest_plank_m: float = 0.3  #: largest width of planks
 
 
 FIND = FindSettings()
@@ -75,30 +75,30 @@ NAN = float("nan")
 class FoundPattern:
     """The pattern of a floor."""
 
-    #: ``planks``, ``tiles``, ``herringbone``, ``chevron``, ``mosaic``, ``plain``, or ``other``: it
-    #: repeats, but not in rows, as a basket
+    #: ``planks``, ``tiles``, ``herringbone``, ``chevron``, ``mosaic``, ``plain``, or ``other`` (it
+    #: repeats, but not in rows, such as a basket weave)
     kind: str
-    #: width_m, length_m: of a unit with half a joint on each side; NaN where not known (planks of
+    #: width_m, length_m: sides of a unit with half a joint on each side; NaN if unknown (planks of
     #: many lengths)
     width_m: float = NAN
     length_m: float = NAN
     width_spread: float = NAN  #: standard deviation of the width between photos, over the width
-    #: of the planks or of the tiles' longer side in the plan, from +x towards +z, [0, 180); of
-    #: square tiles [0, 90). Of the columns of a herringbone or chevron. NaN where no located photo
+    #: direction in the plan from +x towards +z: of planks or the tiles' longer side, [0, 180); of
+    #: square tiles, [0, 90); of the columns of a herringbone or chevron. NaN if no located photo
     #: shows it.
     direction_deg: float = NAN
-    offset: float = 0.0  #: shift of a row against the row before, over the length
-    confidence: float = 0.0  #: probability that its kind is right
-    #: what the joints are against the units: ``dark``, ``light`` or only a ``step`` of tone
+    offset: float = 0.0  #: shift of each row against the row before, share of the length
+    confidence: float = 0.0  #: probability that the kind is right
+    #: how joints differ from the units: ``dark``, ``light``, or only a ``step`` of tone
     line: str = ""
-    photos: tuple[str, ...] = ()  #: those that show it
-    located: int = 0  #: located views that share the direction
-    slant_deg: float = 0.0  #: between the units and the direction: 0 for rows
+    photos: tuple[str, ...] = ()  #: photos that show it
+    located: int = 0  #: number of located views that share the direction
+    slant_deg: float = 0.0  #: angle between the units and the direction; 0 for rows
 
 
 @dataclass(frozen=True)
 class Reading:
-    """One view's part in a pattern: its direction, its own width (metres) and what it counts."""
+    """One view's measurement of a pattern: direction, width of a unit (metres) and score."""
 
     view: FloorView
     direction: Direction
@@ -107,18 +107,18 @@ class Reading:
 
     @property
     def weight(self) -> float:
-        """Return what it counts beside other views."""
+        """Return the weight of this view among all views."""
         return self.score * _area(self.view)
 
 
 def find_pattern(
     views: Sequence[FloorView], looks: tuple[float, float] | None = None
 ) -> tuple[FoundPattern, list[Reading]]:
-    """Return the pattern of the floor that views show, and what each view says of it.
+    """Return the pattern of the floor that views show, and the measurement of each view.
 
-    `looks` is how probably the floor is of wood, and of tiles, by its looks, where that is known.
-    With the length of units they part planks from tiles. Plain where no joints are evident: how
-    surely depends on what could be seen, and on the looks.
+    `looks` are the probabilities that the floor is of wood and of tiles, by its looks, if known.
+    Together with the length of units they decide between planks and tiles. The floor is plain if no
+    joints are evident; that confidence depends on how much of it was seen, and on the looks.
     """
     if not views:
         return FoundPattern("plain"), []
@@ -137,7 +137,7 @@ def find_pattern(
         width, spread = _width(readings)
         ratio, offset = _length(readings)
         if not grainy or np.isfinite(ratio) or width <= FIND.widest_plank_m:
-            break  # else no wood is so wide
+            break  # else it is wood, but wider than planks are: search for narrower rows
     photos = tuple(dict.fromkeys(r.view.photo for r in readings))
     line = _line(readings)
     kind, square = "planks", abs(np.log(ratio)) < FIND.square if np.isfinite(ratio) else False
@@ -150,7 +150,7 @@ def find_pattern(
         kind = "tiles"
     wood = _wood(looks, ratio)
     if wood > 0.5 and kind == "tiles" and width <= FIND.widest_plank_m:
-        kind, ratio, square, offset = "planks", NAN, False, 0.0  # its ends were not seen
+        kind, ratio, square, offset = "planks", NAN, False, 0.0  # the planks' ends were not seen
     elif wood <= 0.5 and kind == "planks":
         if not np.isfinite(ratio):  # shadows of a blind, a striped carpet
             return FoundPattern("plain", confidence=1.0 - confidence * wood), []
@@ -167,7 +167,7 @@ def find_pattern(
 
 
 def _rows(views: Sequence[FloorView], grainy: bool, widest_m: float) -> tuple[float, list[Reading]]:
-    """Return how sure rows up to a width are, and what each view says of the likeliest width."""
+    """Return the confidence in rows up to a width, and each view's measurement of the best one."""
     curves = np.array([lines_of(view) for view in views])
     weights = np.array([_area(view) for view in views]) / sum(map(_area, views))
     reach = 2 * round(100 * FIND.same_size) + 1
@@ -175,14 +175,14 @@ def _rows(views: Sequence[FloorView], grainy: bool, widest_m: float) -> tuple[fl
     pooled = weights @ maximum_filter1d(single, reach, axis=1)
     found = _sure(views, pooled, (FIND.plain, FIND.clear))
     if found[0] < FIND.believed and grainy:
-        # Wood: joints that stain and gloss hide are those whose multiples are seen as well.
+        # Wood: stain and gloss hide joints, so scores at multiples of a distance are added to it.
         combed = weights @ maximum_filter1d(_combed(curves), reach, axis=1)
         found = max(_sure(views, combed, FIND.grainy), found, key=lambda one: one[0])
     return found
 
 
 def _wood(looks: tuple[float, float] | None, ratio: float) -> float:
-    """Return how probably units in rows are of wood, by their looks and their length over width."""
+    """Return the probability that units in rows are wood, from looks and length over width."""
     odds = np.log(FIND.usual_looks[0] / FIND.usual_looks[1])
     if looks is not None:
         odds += FIND.by_looks * np.log(max(looks[0], 1e-3) / max(looks[1], 1e-3)) - FIND.looked
@@ -192,16 +192,19 @@ def _wood(looks: tuple[float, float] | None, ratio: float) -> float:
 
 
 def _without_joints(views: Sequence[FloorView], jointed: float) -> float:
-    """Return how probable it is that a floor has no joints whose views show none."""
+    """Return the probability that a floor has no joints if its views show none.
+
+    `jointed` is the prior probability that it has joints.
+    """
     pixels = sum(view.square_m * view.px_per_m**2 for view in views)
     missed = FIND.seen_px / (FIND.seen_px + pixels)
     return (1.0 - jointed) / (1.0 - jointed + jointed * missed)
 
 
 def _mosaic(views: Sequence[FloorView], tiled: float) -> FoundPattern | None:
-    """Return the mosaic that views show; None where there is none.
+    """Return the mosaic that views show; None if there is none.
 
-    `tiled` is how probably the floor is of tiles: carpets and parquet have small squares, too.
+    `tiled` is the probability of tiles: carpets and parquet have small squares, too.
     """
     weights = np.array([_area(view) for view in views])
     if _grainy(views):
@@ -213,8 +216,8 @@ def _mosaic(views: Sequence[FloorView], tiled: float) -> FoundPattern | None:
     confidence = tiled * float(np.clip((pooled.max() - none) / (sure - none), 0.0, 1.0))
     if confidence < FIND.believed:
         return None
-    # Lines of both directions part halfway: a diagonal scores twice as much as a side, and as much
-    # as that of three squares, or of three beside one.
+    # A shift by half a diagonal separates the lines of both directions, half a side only of one, so
+    # a diagonal scores twice. So do 3 diagonals, or 3 squares by 1: the smaller diagonal is taken.
     k = int(pooled.argmax())
     for times in (3.0, np.sqrt(5.0)):
         middle = int(pooled.argmax()) - round(100 * np.log(times))
@@ -228,7 +231,7 @@ def _mosaic(views: Sequence[FloorView], tiled: float) -> FoundPattern | None:
     if side > FIND.widest_mosaic_m:
         return None
     photos = dict.fromkeys(v.photo for v, seen in zip(views, shown, strict=True) if seen)
-    # Squares that a photo hardly has pixels for may be several of smaller ones.
+    # Squares of few photo pixels may really be several smaller squares each.
     pixels = float(np.average([v.px_per_m for v in views], weights=weights * shown)) * side
     part = np.sqrt(5.0) if side > np.sqrt(5.0) * FIND.least_mosaic_m else 1.0
     confidence *= min(1.0, pixels / part / FIND.mosaic_px)
@@ -236,7 +239,7 @@ def _mosaic(views: Sequence[FloorView], tiled: float) -> FoundPattern | None:
 
 
 def _zigzag(views: Sequence[FloorView]) -> tuple[FoundPattern, list[Reading]] | None:
-    """Return the herringbone or chevron that the largest views show; None where there is none."""
+    """Return the herringbone or chevron that the largest views show; None if there is none."""
     views = sorted(views, key=_area, reverse=True)[: FIND.zigzag_views]
     weights = np.array([_area(view) for view in views])
     shown = find_zigzag(views, weights, FIND.same_size)
@@ -268,7 +271,7 @@ def _zigzag(views: Sequence[FloorView]) -> tuple[FoundPattern, list[Reading]] | 
 
 
 def _area(view: FloorView) -> float:
-    """Return what a view counts: its area, square metres, up to a limit."""
+    """Return the area by which a view is weighted: its own up to a limit, square metres."""
     return min(view.square_m, FIND.most_m2)
 
 
@@ -278,7 +281,7 @@ def lines_of(view: FloorView) -> np.ndarray:
 
 
 def _likely(view: FloorView) -> list[Direction]:
-    """Return the directions that long joints may have: grain leaves only one."""
+    """Return the directions that long joints may have: only the first if it shows a clear grain."""
     first, second = view.directions
     return [first] if first.kept > FIND.grain * second.kept else [first, second]
 
@@ -286,20 +289,20 @@ def _likely(view: FloorView) -> list[Direction]:
 def _sure(
     views: Sequence[FloorView], pooled: np.ndarray, scores: tuple[float, float]
 ) -> tuple[float, list[Reading]]:
-    """Return how sure joints at the best distance are, and what each view says of them.
+    """Return the confidence in joints at the best distance, and each view's measurement of them.
 
-    `pooled` (n,) are the scores of all views, `scores` those of none and of joints beyond doubt.
+    `pooled` (n,) are the scores of all views together, `scores` those for confidence 0 and 1.
     """
     (none, clear), k = scores, int(pooled.argmax())
     readings = [_read(view, float(DISTANCES[k])) for view in views]
     readings = [r for r in readings if r.score >= 0.5 * none]
     shown = min(sum(r.view.square_m for r in readings) / FIND.enough_m2, 1.0)
-    sure = shown * (pooled[k] - none) / (clear - none)  # clear joints make up for little floor
+    sure = shown * (pooled[k] - none) / (clear - none)  # clear joints make up for a small area
     return float(np.clip(sure, 0.0, 1.0)), readings
 
 
 def _grainy(views: Sequence[FloorView]) -> bool:
-    """Return whether contrast is that of wood: kept along one direction, lost across it."""
+    """Return whether a floor has the contrast of wood: kept along one direction, lost across it."""
     weights = [_area(view) for view in views]
     kept = np.average([[d.kept for d in view.directions] for view in views], 0, weights)
     return bool(kept[0] > max(FIND.least_kept, FIND.wood * kept[1]))
@@ -316,9 +319,9 @@ def _combed(curves: np.ndarray) -> np.ndarray:
 
 
 def _single(scores: np.ndarray) -> np.ndarray:
-    """Return scores (n,) of a view's distances, 0 at what are multiples of another.
+    """Return a view's scores (n,), set to 0 at distances that are 3 or 5 times a shorter period.
 
-    The likeness at an odd multiple of a period is as high as at the period.
+    The likeness at an odd multiple of a period is as high as at the period itself.
     """
     near, single = maximum_filter1d(scores, 13), scores.copy()
     for times in (3.0, 5.0):
@@ -328,26 +331,26 @@ def _single(scores: np.ndarray) -> np.ndarray:
 
 
 def _read(view: FloorView, width_m: float) -> Reading:
-    """Return what a view says of joints about `width_m` apart."""
+    """Measure the joints in one view, assuming that they are about `width_m` apart."""
     options = [(d, *d.near(width_m, 2 * FIND.same_size)) for d in _likely(view)]
     direction, width, score = max(options, key=lambda option: option[2])
     return Reading(view, direction, width, score)
 
 
 def _turned(reading: Reading, ratio: float) -> Reading:
-    """Return a reading by the lines across, whose distance is `ratio` times the other."""
+    """Return the reading of the perpendicular lines, whose distance is `ratio` times the width."""
     first, second = reading.view.directions
     other = second if reading.direction is first else first
     return Reading(reading.view, other, reading.width_m * ratio, reading.score)
 
 
 def _length(readings: Sequence[Reading]) -> tuple[float, float]:
-    """Return length over width (NaN where nothing repeats) and the offset of the next row."""
+    """Return length over width (NaN if nothing repeats) and the offset of the next row."""
     weights = np.array([r.weight for r in readings])
     kinds = [along(r.direction.view, r.width_m) for r in readings]
     curves = [np.max(list(found.values()), axis=0) for found in kinds]
     shifts = [round(100 * np.log(r.width_m / 0.1)) for r in readings]
-    # Over the width the lengths agree whatever the scale of a photo.
+    # The ratio of length to width does not depend on the scale of a photo.
     size = len(DISTANCES)
     reach = max(map(abs, shifts), default=0)
     wide = np.zeros((len(readings), size + 2 * reach))
@@ -378,7 +381,7 @@ def _length(readings: Sequence[Reading]) -> tuple[float, float]:
 
 
 def _in_rows(readings: Sequence[Reading], line: str) -> bool:
-    """Return whether joints run on through the floor, so that its units lie in rows."""
+    """Return whether joints continue through the floor, so that its units lie in rows."""
     curves = np.array([run_on(r.direction.view, r.width_m, line) for r in readings])
     weights = np.array([[r.weight] for r in readings]) * np.isfinite(curves)
     total = weights.sum(axis=0)
@@ -392,16 +395,16 @@ def _in_rows(readings: Sequence[Reading], line: str) -> bool:
 
 
 def _repeats_whole(readings: Sequence[Reading]) -> bool:
-    """Return whether a floor of squares moved by one both ways is like itself.
+    """Return whether a floor is like itself when moved by one square down and to a side.
 
-    One of tiles is, though veins hide their joints; one of a basket's boards is not.
+    Square tiles are, even if veins hide their joints; the boards of a basket weave are not.
     """
     alike = [moved(r.direction.view, r.width_m) for r in readings]
     return bool(np.average(alike, weights=[r.weight for r in readings]) >= FIND.whole)
 
 
 def _line(readings: Sequence[Reading]) -> str:
-    """Return the kind of line that shows the joints best."""
+    """Return the kind of line at which the joints are clearest."""
     worth: dict[str, float] = {}
     for r in readings:
         k = int(np.abs(DISTANCES - r.width_m).argmin())
@@ -415,7 +418,7 @@ def _line(readings: Sequence[Reading]) -> str:
 
 
 def _middle(values: Sequence[float], weights: Sequence[float]) -> tuple[float, float]:
-    """Return the mean of positive values near their weighted median, and all values' spread."""
+    """Return the mean of positive values near their weighted median, and the log spread of all."""
     order = np.argsort(values)
     ordered, heavy = np.log(np.array(values)[order]), np.array(weights)[order]
     middle = ordered[np.searchsorted(np.cumsum(heavy), 0.5 * heavy.sum())]
@@ -428,7 +431,7 @@ def _middle(values: Sequence[float], weights: Sequence[float]) -> tuple[float, f
 def _width(readings: Sequence[Reading]) -> tuple[float, float]:
     """Return the width that views agree on, and its spread.
 
-    Each says it by its own scale and, a little less, by the house's usual camera height.
+    Each view counts at its own scale and, with less weight, at the house's usual camera height.
     """
     widths = [r.width_m * scale for r in readings for scale in (1.0, r.view.usual)]
     weights = [r.weight * worth for r in readings for worth in (1.0, FIND.usual)]
@@ -438,7 +441,7 @@ def _width(readings: Sequence[Reading]) -> tuple[float, float]:
 def _direction(readings: Sequence[Reading], turn: float) -> tuple[float, int]:
     """Return the direction in the plan modulo `turn` degrees that most located views share.
 
-    And how many do; NaN where there is none.
+    It is NaN if there are no located views. The second value is the number of views that share it.
     """
     found = [(r.direction.angle_deg % turn, r.weight) for r in readings if r.view.in_plan]
     if not found:

@@ -55,7 +55,7 @@ _COLUMNS = {
     "units": "object",
     "shown": "object",
 }
-#: Type of rooms whose floor is seldom that of other rooms, however alike they look.
+#: Rooms of this type seldom share a floor with other rooms, even if both look alike.
 _WET = "Bathroom"
 
 
@@ -70,23 +70,23 @@ def write_patterns(
     looks: Mapping[str, tuple[float, float]] | None = None,
     threads: int = 1,
 ) -> pd.DataFrame:
-    """Find the patterns of a house's floors and walls in bands; write ``patterns.parquet``.
+    """Find the patterns of a house's floors and its walls in bands; write ``patterns.parquet``.
 
     Parameters
     ----------
     files : PhotoFiles
     plan : House
     crops : path
-        ``crops.parquet``: a floor without crops or rows takes the pattern of the rooms beside it.
+        ``crops.parquet``: a floor without crops, or `boarded`, can take a neighbour's pattern.
     materials : path
-        ``materials.parquet``: floors of one material are read together.
+        ``materials.parquet``: floors of one material are measured together.
     output : path
     dataset : str
-        For the metadata.
+        Name of the data set, for the metadata.
     looks : mapping of str to (float, float), optional
-        How probably rooms' floors are of wood, and of tiles, by their looks.
+        By room, the probabilities that its floor is of wood and of tiles, by its looks.
     threads : int
-        Photos, then materials, worked on at a time; the result does not depend on it.
+        Number of photos, then of materials, processed at a time; it does not change the result.
 
     Returns
     -------
@@ -131,11 +131,11 @@ def write_patterns(
 
 
 def _views(read: Callable[[], PhotoPlanes]) -> tuple[list[FloorView], list[WallView]]:
-    """Return the floors and walls of a photo, the lines of the floors found."""
+    """Return the floors and walls of a photo, with the lines of the floors already computed."""
     photo = read()
     floors = list(floor_views(photo))
     for view in floors:
-        lines_of(view)  # kept in it
+        lines_of(view)  # the result is cached in the view
     return floors, list(wall_views(photo))
 
 
@@ -147,9 +147,9 @@ def floor_patterns(
 ) -> dict[str, tuple[FoundPattern, Units]]:
     """Return the pattern of each room's floor that `views` show, and units cut out of them.
 
-    Rooms of one material (room -> its name) are read together: photos' scales differ. A room whose
-    own photos show something else evidently keeps that. `looks` as of :func:`write_patterns`;
-    `threads` materials are worked on at a time.
+    Rooms of one of the `materials` (room -> name) share a pattern, since single photos have errors
+    of scale. If it is plain and a room's own pattern is surer, the room keeps its own. `looks` are
+    those of :func:`write_patterns`; `threads` materials are processed at a time.
     """
     known = looks or {}
     alike: dict[tuple[str, str], list[str]] = {}  # rooms of one material; else a room alone
@@ -188,11 +188,11 @@ def floor_patterns(
 def continued(
     plan: House, seen: Collection[str], patterns: Mapping[str, FoundPattern]
 ) -> dict[str, str]:
-    """Return the rooms whose floor runs on from a room beside them, by room.
+    """Return, for each room whose floor continues from a neighbour's, that neighbour.
 
-    They are those without a clearly `seen` floor whose neighbours' floors, as far as known, have
-    all one pattern of planks or tiles; neither bathrooms nor what is open to the air. What such a
-    room shows of a pattern itself tells the kind, its neighbours the size.
+    Such a room has no clearly `seen` floor, and the known floors of its neighbours all have the
+    same pattern of units (`LAID`). It is neither a bathroom nor open to the air. If its own photos
+    show a pattern of units, that must be of the same kind; the size is that of the neighbour.
     """
     indoors = {r.id for r in plan.rooms if not r.open_air}
     doors = [pair for pair in plan.adjacency() if indoors.issuperset(pair)]
@@ -212,15 +212,15 @@ def continued(
 
 
 def _same(one: FoundPattern, other: FoundPattern) -> bool:
-    """Return whether two patterns may be one, read from other photos."""
+    """Return whether two patterns, measured in different photos, may be the same."""
     alike = abs(np.log(one.width_m / other.width_m)) < 2 * FIND.same_size
     return bool(one.kind == other.kind and alike)
 
 
 def boarded(pattern: FoundPattern, shares: tuple[float, float] | None) -> bool:
-    """Return whether a floor is more probably of boards that its photos are too poor to show.
+    """Return whether a plain floor probably has boards that its photos are too poor to show.
 
-    `shares`: how probably it is of wood, and of tiles, by its looks.
+    `shares` are the probabilities that it is of wood and of tiles, by its looks.
     """
     if shares is None or pattern.kind != "plain":
         return False
@@ -228,21 +228,21 @@ def boarded(pattern: FoundPattern, shares: tuple[float, float] | None) -> bool:
 
 
 def _units(pattern: FoundPattern, readings: Sequence[Reading], views: Sequence[FloorView]) -> Units:
-    """Return the units of a pattern; without one, what its largest view shows."""
+    """Return the units of a pattern; without readings, only a picture of the largest view."""
     if readings:
         return cut_units(pattern, readings)
     return unlaid(max(views, key=lambda view: view.square_m))
 
 
 def _turned(whole: FoundPattern, own: FoundPattern) -> FoundPattern:
-    """Return the pattern of a material in a room: planks may run another way in each."""
+    """Return a material's pattern for one room, with the room's own direction if that is known."""
     if _same(own, whole) and own.located >= FIND.located:
         return replace(whole, direction_deg=own.direction_deg)
     return whole
 
 
 def _row(room: str, pattern: FoundPattern, units: Units, like: str) -> dict[str, Any]:
-    """Return a row of patterns.parquet."""
+    """Return the row of patterns.parquet for a room's floor."""
     numbers = ["width_m", "width_spread", "length_m", "direction_deg", "offset", "slant_deg"]
     numbers.append("confidence")
     return {
@@ -263,7 +263,7 @@ def _row(room: str, pattern: FoundPattern, units: Units, like: str) -> dict[str,
 
 
 def _band_row(room: str, bands: WallBands, crops: pd.DataFrame) -> dict[str, Any]:
-    """Return a row of walls in bands; `crops` are all of walls."""
+    """Return the row of patterns.parquet for walls in bands; `crops` are those of all walls."""
     above, below = [], []
     for crop in crops[crops["room_id"] == room].itertuples():
         camera_m = bands.planes.get(str(crop.crop_id).rpartition("_crop")[0])

@@ -1,9 +1,8 @@
-"""Joints of a floor seen straight on: in which direction they run, how far apart they are.
+"""Find the joints of a floor that is seen straight on: their direction and their distance.
 
-Joints repeat. The direction is the one along which the image, averaged over strips, keeps most of
-its contrast; the distances are periods of the autocorrelation of lines that are darker or lighter
-than what is beside them, or of steps between boards of different tone. Nothing is believed that
-does not repeat.
+The direction is the one along which the image, averaged over strips, keeps most of its contrast.
+The distances are periods of the autocorrelation of lines. A line is darker or lighter than what is
+beside it, or a step between boards of different tone. Lines that do not repeat are ignored.
 """
 
 from __future__ import annotations
@@ -24,28 +23,28 @@ from plan2scene.photos.patterns.bonds import PX_PER_M
 class JointSettings:
     """Constants chosen on renderings of procedural materials and by looking at real floors."""
 
-    px_per_m: float = PX_PER_M  #: of the images that are read
-    slow_m: float = 0.06  #: sigma: what varies more slowly is light, not a joint
-    near_m: float = 0.2  #: sigma over which contrast is evened
-    most: float = 3.0  #: times that contrast at most
-    rim_m: float = 0.025  #: of what hides the floor, left out for its shadow
-    step_deg: float = 3.0  #: of the directions that are tried, then a sixth of it
-    strip_m: float = 0.4  #: length over which a direction's lines are averaged
-    line_px: float = 1.2  #: sigma across a joint
-    along_m: float = 0.04  #: sigma along a joint
-    loose_px: float = 1.6  #: sigma of what a joint may be away from its place
-    band_m: float = 0.12  #: shifts along the joints over which periods across are averaged
-    shortest_m: float = 0.04  #: distance of joints
-    longest_m: float = 1.6
-    of_extent: float = 0.75  #: largest period over the side of what is seen
-    mosaic_m: tuple[float, float] = (0.02, 0.09)  #: diagonals of small squares that are tried
-    least_overlap: float = 0.08  #: share of the seen pixels that a shift has to compare
-    least_px_per_m: float = 80.0  #: photo pixels: with fewer, joints are not seen
-    least_m: float = 0.5  #: side of the square that a view has to show at least
-    single: float = 0.6  #: worth of a period that is seen once only
-    periods: float = 3.0  #: more than one, from which on a period has its full worth
-    of_row: float = 0.12  #: sigma along a joint that parts two units of a row, over the row
-    same_row: float = 0.12  #: shift down over the row, within which joints are of one row
+    px_per_m: float = PX_PER_M  #: resolution of the images that are searched
+    slow_m: float = 0.06  #: sigma of the local mean that is subtracted: it is light, not joints
+    near_m: float = 0.2  #: sigma of the neighbourhood whose contrast normalises a pixel
+    most: float = 3.0  #: limit of the normalised contrast
+    rim_m: float = 0.025  #: margin left out at the mask's border, where objects cast shadows
+    step_deg: float = 3.0  #: step of the directions tried at first; later a sixth of it
+    strip_m: float = 0.4  #: length of the strips that are averaged along a direction
+    line_px: float = 1.2  #: sigma of the blur across a joint
+    along_m: float = 0.04  #: sigma of the blur along a joint
+    loose_px: float = 1.6  #: sigma of the blur that tolerates a joint off its place
+    band_m: float = 0.12  #: likeness is averaged over shifts along the joints up to this, each way
+    shortest_m: float = 0.04  #: least distance of joints
+    longest_m: float = 1.6  #: largest distance of joints
+    of_extent: float = 0.75  #: largest period, share of the extent that is seen
+    mosaic_m: tuple[float, float] = (0.02, 0.09)  #: range tried of small squares' diagonals
+    least_overlap: float = 0.08  #: least overlap of a shift, share of the seen pixels
+    least_px_per_m: float = 80.0  #: least resolution of a photo: with less, joints are not seen
+    least_m: float = 0.5  #: least area of a view, as the side of a square
+    single: float = 0.6  #: factor of the score of a period that is seen only once
+    periods: float = 3.0  #: periods beyond the first from which on a score counts in full
+    of_row: float = 0.12  #: sigma of the blur along a row's end joints, share of the row's width
+    same_row: float = 0.12  #: largest shift down within one row, share of the row's width
 
 
 JOINTS = JointSettings()
@@ -59,10 +58,10 @@ MOSAICS = np.exp(np.arange(np.log(JOINTS.mosaic_m[0]), np.log(JOINTS.mosaic_m[1]
 
 @dataclass(frozen=True, eq=False)
 class Upright:
-    """An image turned so that its joints run along x, no larger than what is seen.
+    """An image rotated so that its joints run along x, cropped to what is seen.
 
-    `contrast` (h, w) float32 evened log grey values, 0 where not `valid` (h, w) bool; `turn` (2, 3)
-    takes pixels (x, y) of the image to it.
+    `contrast` (h, w) float32 are normalised log grey values, 0 where not `valid` (h, w) bool;
+    `turn` (2, 3) is the affine map from pixels (x, y) of the image to it.
     """
 
     contrast: np.ndarray
@@ -76,7 +75,7 @@ class Direction:
 
     angle_deg: float  #: from +x of the image towards +y (down), [0, 180)
     view: Upright
-    kept: float  #: contrast that is left when averaged along the lines
+    kept: float  #: energy of the contrast that is left when averaged along the lines
 
     @cached_property
     def lines(self) -> dict[str, np.ndarray]:
@@ -85,18 +84,18 @@ class Direction:
 
     @cached_property
     def scores(self) -> np.ndarray:
-        """The same of the clearest kind of line at each distance."""
+        """The same (n,) for the clearest kind of line at each distance."""
         return np.asarray(np.max(list(self.lines.values()), axis=0))
 
     def near(self, distance: float, within: float) -> tuple[float, float]:
-        """Return the best distance within a log ratio of one, metres, and its score."""
+        """Return the best distance within a log ratio `within` of `distance`, and its score."""
         part = np.abs(np.log(DISTANCES / distance)) <= within
         k = int(np.where(part, self.scores, -1.0).argmax())
         return refined(self.scores, k), float(self.scores[k])
 
 
 def refined(scores: np.ndarray, k: int) -> float:
-    """Return the distance of the peak of scores at place `k`, between its neighbours."""
+    """Return the distance of a peak of scores at index `k`, refined with a parabola."""
     if not 0 < k < len(scores) - 1:
         return float(DISTANCES[k])
     before, peak, after = scores[k - 1 : k + 2]
@@ -106,9 +105,9 @@ def refined(scores: np.ndarray, k: int) -> float:
 
 
 def evened(image: np.ndarray, mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the fine contrast (h, w) float32 of an image, and where it is to be believed.
+    """Return the normalised fine contrast (h, w) float32 of an image, and where it is valid.
 
-    `image` (h, w, 3) uint8 sRGB at `JOINTS.px_per_m`, `mask` (h, w) bool: the floor.
+    `image` (h, w, 3) uint8 sRGB at `JOINTS.px_per_m`; `mask` (h, w) bool is the floor.
     """
     scale = JOINTS.px_per_m
     luma = log_luma(image / 255.0)
@@ -122,7 +121,7 @@ def evened(image: np.ndarray, mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 
 def nearby(values: np.ndarray, mask: np.ndarray, sigma: float) -> np.ndarray:
-    """Return the mean of values (h, w) near each pixel of a mask."""
+    """Return the mean (h, w) of the values inside a mask near each pixel."""
     weight = mask.astype(np.float32)
     side = 2 * round(0.86 * sigma) + 1  # two boxes have a Gaussian's spread
     total = (values * weight).astype(np.float32)
@@ -131,9 +130,9 @@ def nearby(values: np.ndarray, mask: np.ndarray, sigma: float) -> np.ndarray:
 
 
 def directions(contrast: np.ndarray, valid: np.ndarray) -> list[Direction]:
-    """Return the two directions, square to each other, of a view's lines (:func:`evened`).
+    """Return the two perpendicular directions of a view's lines (:func:`evened`).
 
-    The one along which most contrast is kept comes first; none where too little is seen.
+    The first is the one along which most contrast is kept. The list is empty if too little is seen.
     """
     if valid.sum() < (JOINTS.least_m * JOINTS.px_per_m) ** 2:
         return []
@@ -159,7 +158,7 @@ def kept_along(
 ) -> np.ndarray:
     """Return the contrast (n,) that is left when averaged along each of `angles` (n,), degrees.
 
-    The view is reduced to a `part` of its sides.
+    The view's sides are first divided by `part`.
     """
     size = (contrast.shape[1] // part or 1, contrast.shape[0] // part or 1)
     small = cv2.resize(contrast, size, interpolation=cv2.INTER_AREA)
@@ -169,7 +168,7 @@ def kept_along(
 
 
 def _kept(turned: Upright, px_per_m: float) -> float:
-    """Return the energy that is left of an image averaged along strips to the right."""
+    """Return the mean energy of an image after averaging along x in strips."""
     strip = max(4, round(JOINTS.strip_m * px_per_m))
     height, width = turned.contrast.shape
     count = max(1, width // strip)
@@ -222,10 +221,10 @@ def along(view: Upright, row_m: float) -> dict[str, np.ndarray]:
 
 
 def run_on(view: Upright, row_m: float, line: str) -> np.ndarray:
-    """Return how alike neighbouring joints along x are at shifts along of 0, 1 ... cm (100,).
+    """Return the likeness (100,) of neighbouring joints along x, shifted along by 0, 1 ... cm.
 
-    Each over what is beside them; NaN where too little is seen. Joints of rows run on, those of a
-    herringbone break off and come again.
+    The likeness half a row before and after is subtracted; NaN where too little is seen. Joints of
+    rows continue without a break, those of a herringbone end and start again.
     """
     row = row_m * JOINTS.px_per_m
     strength = dict(lines(view, JOINTS.along_m * JOINTS.px_per_m, down=True))[line]
@@ -237,7 +236,7 @@ def run_on(view: Upright, row_m: float, line: str) -> np.ndarray:
 
 
 def moved(view: Upright, step_m: float) -> float:
-    """Return how alike a floor is to itself when moved by a step both down and right, at most 1."""
+    """Return how alike a floor is to itself, moved by a step down and to a side; at most 1."""
     smooth = cv2.GaussianBlur(view.contrast, (0, 0), JOINTS.loose_px)
     alike = Overlap(view.valid).alike(smooth).alike
     step = round(step_m * JOINTS.px_per_m / 2)
@@ -247,7 +246,7 @@ def moved(view: Upright, step_m: float) -> float:
 
 
 def next_row(view: Upright, row_m: float, length_m: float, line: str) -> float:
-    """Return where (0..1 of the length) the joints of the next row lie."""
+    """Return the shift of the next row's end joints, as a share (0..1) of the length."""
     row, length = row_m * JOINTS.px_per_m, length_m * JOINTS.px_per_m
     strength = dict(lines(view, max(1.5, JOINTS.of_row * row), down=False))[line]
     profile = Overlap(view.valid).alike(strength).right(row, JOINTS.same_row * row)
@@ -261,8 +260,8 @@ def next_row(view: Upright, row_m: float, length_m: float, line: str) -> float:
 def lines(view: Upright, along: float, *, down: bool) -> Iterator[tuple[str, np.ndarray]]:
     """Yield how much each pixel (h, w) lies on a line: ``dark``, ``light`` or a ``step``.
 
-    Lines run along x where `down` (they repeat down the image), else along y; `along` is the sigma
-    in pixels by which they are averaged along themselves.
+    Lines run along x if `down` (they repeat down the image), else along y; `along` is the sigma in
+    pixels of the blur along the lines.
     """
     image = view.contrast if down else view.contrast.T
     smooth = cv2.GaussianBlur(image, (0, 0), sigmaX=along, sigmaY=JOINTS.line_px)
@@ -280,8 +279,9 @@ def lines(view: Upright, along: float, *, down: bool) -> Iterator[tuple[str, np.
 def small_squares(view: Upright) -> np.ndarray:
     """Return how clearly a mosaic repeats (n,) at each diagonal of `MOSAICS`, metres.
 
-    Both ways alike, four times on end: only small squares do, neither grain nor joints of larger
-    units. Lines are not looked for: they would be blurred together.
+    The image must repeat four times in succession in two perpendicular directions: small squares
+    do, but neither grain nor joints of larger units. The contrast itself is compared, not lines,
+    since lines so close together would be blurred into one.
     """
     most = round(5 * JOINTS.mosaic_m[1] * JOINTS.px_per_m)
     shape = tuple(fft.next_fast_len(side + most, real=True) for side in view.valid.shape)
@@ -292,7 +292,7 @@ def small_squares(view: Upright) -> np.ndarray:
     near = np.ix_(*[np.arange(-most, most + 1)] * 2)
     alike = (total[near] / np.maximum(count[near], 1.0)).astype(np.float32)
     alike = cv2.GaussianBlur(alike / max(float(alike[most, most]), 1e-9), (0, 0), 0.7)
-    # Directions are those of long lines, which a mosaic lacks: all are tried.
+    # The view's directions come from long lines, which a mosaic lacks: all directions are tried.
     turns = np.radians(np.arange(0.0, 90.0, 1.0))[:, None]
     tried = MOSAICS * JOINTS.px_per_m
     worth = np.full((len(turns), len(tried)), np.inf)
@@ -312,9 +312,9 @@ def small_squares(view: Upright) -> np.ndarray:
 
 
 class Overlap:
-    """What the seen pixels of a view have in common when shifted: worked out once a view.
+    """Autocorrelation of a view's seen pixels; their overlap at each shift is computed only once.
 
-    Images are halved first: lines are blurred by more than that.
+    Images are first reduced to half their sides: lines are blurred by more than that.
     """
 
     def __init__(self, valid: np.ndarray) -> None:
@@ -327,7 +327,7 @@ class Overlap:
         self.reach = (float(np.ptp(rows)), float(np.ptp(columns))) if len(rows) else (0.0, 0.0)
 
     def alike(self, values: np.ndarray) -> Shifts:
-        """Return the autocorrelation of (h, w) values, where enough is compared."""
+        """Return the autocorrelation of values (h, w), NaN at shifts with too little overlap."""
         weight, count = self._weight, self._count
         small = _halved(values)
         mean = float((small * weight).sum() / max(float(weight.sum()), 1.0))
@@ -337,7 +337,7 @@ class Overlap:
         return Shifts(alike / max(float(alike[0, 0]), 1e-12), self._weight.shape)
 
     def _correlated(self, values: np.ndarray) -> np.ndarray:
-        """Return the sum of products of values with themselves at all shifts, wrapped around."""
+        """Return the sum of the products of values and shifted values, for all shifts."""
         spectrum = np.abs(fft.rfft2(values, self._shape)) ** 2
         return np.asarray(fft.irfft2(spectrum, self._shape))
 
@@ -352,22 +352,22 @@ def _halved(values: np.ndarray) -> np.ndarray:
 class Shifts:
     """How alike an image is to itself when shifted, 1 at no shift.
 
-    `alike` has shifts of two pixels, wrapped around; NaN where too little is compared. `size` is
-    that of the halved image.
+    `alike` has steps of two pixels, down and right; negative shifts are at the end. It is NaN where
+    the overlap is too small. `size` is that of the halved image.
     """
 
     alike: np.ndarray
     size: tuple[int, ...]
 
     def down(self, band: int) -> np.ndarray:
-        """Return the likeness at shifts down of 0, 1 ... px, over shifts along within `band`."""
+        """Return the likeness at shifts down of 0, 1 ... px, averaged over `band` px sideways."""
         sideways = np.arange(-(band // 2), band // 2 + 1)
         return _each_pixel(_mean(self.alike[: self.size[0]][:, sideways], 1))
 
     def right(self, down: float, loose: float, *, best: bool = False) -> np.ndarray:
-        """Return the same to the right, at shifts down within `loose` px of `down`.
+        """Return the same for shifts to the right, with shifts down within `loose` px of `down`.
 
-        The mean of those shifts, or at each shift to the right the best of both ways.
+        It is the mean over the shifts down or, if `best`, their best, averaged over right and left.
         """
         rows = np.arange(round((down - loose) / 2), round((down + loose) / 2) + 1)
         part = self.alike[rows]
@@ -378,12 +378,12 @@ class Shifts:
 
 
 def _each_pixel(values: np.ndarray) -> np.ndarray:
-    """Return values at every second pixel at every pixel."""
+    """Interpolate values at every second pixel to every pixel."""
     return np.interp(np.arange(2 * len(values) - 1) / 2, np.arange(len(values)), values)
 
 
 def _mean(values: np.ndarray, axis: int) -> np.ndarray:
-    """Return the mean of what is known; NaN where nothing is."""
+    """Return the mean of the finite values along an axis; NaN where there are none."""
     known = np.isfinite(values)
     total = np.where(known, values, 0.0).sum(axis=axis)
     count = known.sum(axis=axis)
@@ -393,8 +393,8 @@ def _mean(values: np.ndarray, axis: int) -> np.ndarray:
 def repeats(profile: np.ndarray, reach: float) -> np.ndarray:
     """Return how clearly a likeness over shifts 0, 1 ... px repeats at each of `DISTANCES`, 0..2.
 
-    At a period and its double the likeness is high, at one and three halves of it low. Few periods
-    within `reach` px count less.
+    At a period and at twice the period the likeness is high, at 0.5 and 1.5 periods it is low. The
+    score is smaller if few periods fit into `reach` px.
     """
     unknown = np.nonzero(~np.isfinite(profile))[0]
     last = float(unknown[0] - 1 if len(unknown) else len(profile) - 1)

@@ -1,4 +1,4 @@
-"""Whole planks and tiles cut out of the photos, and the joints between them."""
+"""Cut whole planks and tiles out of the photos, and measure the joints between them."""
 
 from __future__ import annotations
 
@@ -18,33 +18,33 @@ from plan2scene.photos.patterns.zigzag import fitted
 
 @dataclass(frozen=True)
 class UnitSettings:
-    """Tuned constants, chosen by looking at units of development homes."""
+    """Constants chosen by looking at units of development homes; what is "usual" is a median."""
 
-    most: int = 60  #: units of a pattern, the most usual
-    light_m: float = 0.4  #: what varies more slowly within a view is light
-    even_m: float = 0.15  #: and within a unit
-    tone: float = 2.5  #: times the usual spread of units' tones, that a unit's tone may be off
-    odd: float = 1.35  #: times the usual strongest mark of a unit: what has more shows a thing
-    hue_m: float = 0.02  #: sigma over which hue is averaged
+    most: int = 60  #: largest number of units of a pattern; the most usual ones are kept
+    light_m: float = 0.4  #: sigma of the local mean of a view, which is taken as light
+    even_m: float = 0.15  #: sigma of the same within a unit
+    tone: float = 2.5  #: limit of the deviation of a unit's tone, times the usual deviation
+    odd: float = 1.35  #: limit of a unit's strongest mark, times the usual one: more is an object
+    hue_m: float = 0.02  #: sigma of the blur of hue
     hue: float = 0.4  #: share of hue's variation that is kept, within a unit and between units
-    crossed: float = 2.5  #: times the usual stripes across a unit, at most
-    stripe_m: float = 0.01  #: sigma of the narrowest such stripes
-    blot_m: float = 0.02  #: sigma of shadows' edges within a unit
-    blot: float = 1.6  #: times their usual contrast, at most
-    strip_m: float = 0.4  #: length over which a row's borders are straight
-    loose: float = 0.12  #: of the width, by which a joint may be off its place
-    inset_m: float = 0.006  #: that a unit leaves at its border for the joint
-    longest_m: float = 2.0  #: run of planks without a known length
-    shortest_m: float = 0.45
+    crossed: float = 2.5  #: limit of the stripes across a unit, times the usual ones
+    stripe_m: float = 0.01  #: sigma of the blur of these stripes
+    blot_m: float = 0.02  #: sigma of the blur that leaves blots, such as edges of shadows
+    blot: float = 1.6  #: limit of the contrast of blots, times the usual one
+    strip_m: float = 0.4  #: length over which a row's borders are taken as straight
+    loose: float = 0.12  #: tolerance of a joint's place, share of the distance between joints
+    inset_m: float = 0.006  #: margin cut off at a unit's border, for the joint
+    longest_m: float = 2.0  #: longest piece that is cut where planks have no known length
+    shortest_m: float = 0.45  #: shortest such piece
     burnt: int = 250  #: sRGB level from which on a pixel shows a reflection
-    most_gain: float = 1.6  #: of the light within a unit against the view's
-    sharp: float = 0.55  #: of the better units' contrast, that a unit has at least
-    slanting_views: int = 6  #: that slanting planks are cut out of
-    whole: float = 0.97  #: share of a slanting plank that is seen at least
-    joint_px: int = 4  #: on either side of a joint, where its tone is measured
-    depth: float = 0.5  #: by which a joint is believed to differ from its units
-    shown_m: float = 2.4  #: side of the part of a view that a person is shown
-    shown_px_per_m: float = 150.0
+    most_gain: float = 1.6  #: largest ratio between the light in a unit and the view's usual light
+    sharp: float = 0.55  #: least fine contrast of a unit, share of the units' 80th percentile
+    slanting_views: int = 6  #: largest number of views that slanting planks are cut out of
+    whole: float = 0.97  #: least share of a slanting plank's area that is seen
+    joint_px: int = 4  #: tone is measured up to this distance on both sides of a joint
+    depth: float = 0.5  #: assumed difference of a joint from its units, which gives its width
+    shown_m: float = 2.4  #: side of the part of a view that is shown to a person
+    shown_px_per_m: float = 150.0  #: resolution of that part
 
 
 UNITS = UnitSettings()
@@ -53,27 +53,26 @@ _DRAWN = (255, 0, 160)
 
 @dataclass(frozen=True, eq=False)
 class Units:
-    """What a pattern is laid of."""
+    """The units and joints that a pattern is laid of."""
 
-    #: list of (h, w, 3) uint8: At `JOINTS.px_per_m`, along the length to the right, without joints:
-    #: sRGB levels times 0.5 over the floor's usual ones
+    #: list of (h, w, 3) uint8: units at `JOINTS.px_per_m`, length along x, without joints: sRGB
+    #: levels divided by the floor's usual ones, times 0.5
     images: list[np.ndarray]
-    #: (3,) float: By how much a joint's sRGB is less than its units', over theirs; negative for
-    #: light joints
+    #: (3,) float: relative difference of sRGB, (units - joint) / units; negative for light joints
     joint: np.ndarray
-    joint_m: float  #: width of a joint that differs so
-    #: (h, w, 3) uint8: sRGB of a view at `UNITS.shown_px_per_m`, rows along x, the found joints
-    #: drawn over it
+    joint_m: float  #: width of a joint with this difference
+    #: (h, w, 3) uint8: sRGB of a view at `UNITS.shown_px_per_m`, rows along x, with the joints that
+    #: were found drawn over it
     shown: np.ndarray
 
 
 def unlaid(view: FloorView) -> Units:
-    """Return no units, and what is shown of a view without a pattern."""
+    """Return the result for a view without a pattern: no units, and a picture of the view."""
     return Units([], np.zeros(3), 0.0, _window(view.image, view.mask))
 
 
 def cut_units(pattern: FoundPattern, readings: Sequence[Reading]) -> Units:
-    """Return the units of a pattern that its views show whole."""
+    """Return the units of a pattern that are seen whole in its views, and their joints."""
     cut, profiles, shown = [], [], None
     views = UNITS.slanting_views if pattern.slant_deg else len(readings)
     for reading in sorted(readings, key=lambda r: -r.weight)[:views]:
@@ -84,13 +83,13 @@ def cut_units(pattern: FoundPattern, readings: Sequence[Reading]) -> Units:
             cut += list(rows.units())
     joint, joint_m = _joint(profiles)
     if not np.isfinite(pattern.length_m):
-        joint = np.maximum(joint, 0.0)  # boards of any length have no grout: a light joint shines
+        joint = np.maximum(joint, 0.0)  # boards have no grout: a light joint is a reflection
     seen = unlaid(readings[0].view).shown if shown is None else shown
     return Units(_alike(cut), joint, joint_m, seen)
 
 
 def _window(image: np.ndarray, mask: np.ndarray) -> np.ndarray:
-    """Return the square part of a view (h, w, 3) that shows most of its mask (h, w), reduced."""
+    """Return the square part of a view (h, w, 3) with most of its mask (h, w), resized."""
     side = round(UNITS.shown_m * JOINTS.px_per_m)
     height, width = min(side, mask.shape[0]), min(side, mask.shape[1])
     sums = cv2.integral(mask.astype(np.uint8))
@@ -103,7 +102,7 @@ def _window(image: np.ndarray, mask: np.ndarray) -> np.ndarray:
 
 
 def _alike(cut: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """Return the most usual units (h, w, 3) in [0, 1], sharp and of nothing but floor, as uint8."""
+    """Return the most usual units (h, w, 3), sharp and showing only floor, evened, as uint8."""
     if not cut:
         return []
     sigma = UNITS.even_m * JOINTS.px_per_m
@@ -115,7 +114,7 @@ def _alike(cut: Sequence[np.ndarray]) -> list[np.ndarray]:
     usual = 1.5 * np.median(np.abs(away))
     tones = np.clip(away, -UNITS.tone * usual, UNITS.tone * usual)
     shade = tones.mean(axis=1, keepdims=True)
-    tones = shade + UNITS.hue * (tones - shade)  # units differ in hue by the light on them
+    tones = shade + UNITS.hue * (tones - shade)  # different hues of units come mostly from light
     grey = [image.mean(axis=2) for image in flat]
     fine = np.array([np.abs(cv2.Laplacian(g, cv2.CV_32F)).mean() for g in grey])
     dark = [np.log(np.maximum(g, 0.02)) for g in grey]
@@ -136,7 +135,7 @@ def _alike(cut: Sequence[np.ndarray]) -> list[np.ndarray]:
 
 
 def _own(units: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """Return units (h, w, 3) without the shade that all share: that of the joints around them."""
+    """Divide units (h, w, 3) by the shading that all share, which comes from nearby joints."""
     ways = [1] if len({unit.shape for unit in units}) > 1 else [1, 0]
     for axis in ways:
         lines = [unit.mean(axis=axis, keepdims=True) for unit in units]
@@ -146,13 +145,13 @@ def _own(units: Sequence[np.ndarray]) -> list[np.ndarray]:
 
 
 def _stripes(dark: np.ndarray) -> float:
-    """Return how strongly a unit's log grey values (h, w) bend from column to column."""
+    """Return the strength of stripes across a unit, from the log grey values (h, w)."""
     line = cv2.GaussianBlur(dark.mean(axis=0)[None], (0, 0), UNITS.stripe_m * JOINTS.px_per_m)
     return float(np.abs(np.diff(line[0], 2)).mean())
 
 
 def _calm(image: np.ndarray) -> np.ndarray:
-    """Return a unit (h, w, 3) with little of its stains of hue: light of two colours, and noise."""
+    """Reduce the stains of hue in a unit (h, w, 3), which come from coloured light and noise."""
     grey = np.maximum(image.mean(axis=2, keepdims=True), 0.02)
     hue = np.maximum(image / grey, 0.02)
     smooth = cv2.GaussianBlur(hue, (0, 0), UNITS.hue_m * JOINTS.px_per_m)
@@ -161,7 +160,7 @@ def _calm(image: np.ndarray) -> np.ndarray:
 
 
 def _joint(profiles: Sequence[np.ndarray]) -> tuple[np.ndarray, float]:
-    """Return how joints differ from their units (3,), and how wide they are, metres."""
+    """Return `Units.joint` (3,) and `Units.joint_m` from colours across joints."""
     if not profiles:
         return np.zeros(3), 0.0
     usual = np.median(profiles, axis=0)
@@ -172,7 +171,7 @@ def _joint(profiles: Sequence[np.ndarray]) -> tuple[np.ndarray, float]:
 
 
 class _Turned:
-    """A view turned to the units of a pattern, evenly lit."""
+    """A view rotated so that a pattern's rows or columns run along x, with even light."""
 
     def __init__(self, pattern: FoundPattern, reading: Reading) -> None:
         view, whole = reading.direction.view, reading.view
@@ -197,7 +196,7 @@ class _Columns(_Turned):
         self._fit, (self._number, self._x, self._y, self._border) = fit, parts
 
     def units(self) -> Iterator[np.ndarray]:
-        """Yield the planks that are seen whole, evenly lit."""
+        """Yield the planks that are seen whole, with even light."""
         scale, fit = JOINTS.px_per_m, self._fit
         good = self._valid & ~self._burnt
         good &= (self._gain < UNITS.most_gain) & (self._gain > 1 / UNITS.most_gain)
@@ -212,7 +211,7 @@ class _Columns(_Turned):
             if len(part) < whole:
                 continue
             y, x = rows[part], columns[part]
-            # The plank's own axes are straight in the view.
+            # An affine map takes places in the plank to pixels of the view.
             places = np.column_stack([self._x[y, x], self._y[y, x], np.ones(len(part))])
             to_view = np.linalg.lstsq(places, np.column_stack([x, y]), rcond=None)[0].T
             size = np.array([fit.length_m, fit.width_m]) - 2 * inset
@@ -224,13 +223,13 @@ class _Columns(_Turned):
             yield cv2.warpAffine(self._even, turn, (sides[0], sides[1]), flags=flags)
 
     def drawn(self) -> np.ndarray:
-        """Return what is shown of the view, with the joints that were found drawn over it."""
+        """Return the picture of the view for a person, with the found joints drawn over it."""
         image = self._colour.copy()
         image[self._valid & (self._border < 1.0 / JOINTS.px_per_m)] = _DRAWN
         return _window(image, self._valid)
 
     def profiles(self) -> list[np.ndarray]:
-        """Return the colours (1, 2 n + 1, 3) across joints between planks, n = `UNITS.joint_px`."""
+        """Return the mean colours (2 n + 1, 3) across joints as a list, n = `UNITS.joint_px`."""
         away = (self._fit.width_m / 2 - np.abs(self._y)) * JOINTS.px_per_m
         long = self._valid & (np.abs(self._x) < 0.4 * self._fit.length_m)
         found = [
@@ -257,7 +256,7 @@ class _Rows(_Turned):
         )
 
     def tracks(self) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        """Yield rows: middles of strips (n,) px and the row's borders there (n, 2) px."""
+        """Yield each row: the middles of its strips (n,) and its borders there (n, 2), pixels."""
         strip = round(UNITS.strip_m * JOINTS.px_per_m)
         width = self._valid.shape[1]
         going: list[tuple[list[float], list[np.ndarray]]] = []
@@ -282,7 +281,7 @@ class _Rows(_Turned):
         yield from ((np.array(t[0]), np.array(t[1])) for t in going)
 
     def _borders(self, part: slice) -> list[np.ndarray]:
-        """Return upper and lower border (2,) of the rows within columns of the view."""
+        """Return the upper and lower border (2,) of each row within some columns of the view."""
         seen = self._valid[:, part]
         count = seen.sum(axis=1)
         enough = count >= 0.3 * seen.shape[1]
@@ -297,7 +296,7 @@ class _Rows(_Turned):
         return [np.array(p) for p in pairs if abs((p[1] - p[0]) / self._width - 1) < 0.2]
 
     def units(self) -> Iterator[np.ndarray]:
-        """Yield the units that are seen whole, evenly lit."""
+        """Yield the units that are seen whole, with even light."""
         for middles, borders in self.tracks():
             row = self._straight(middles, borders)
             if row is None:
@@ -311,7 +310,7 @@ class _Rows(_Turned):
                 yield cv2.resize(piece, (wide, image.shape[0]), interpolation=cv2.INTER_CUBIC)
 
     def drawn(self) -> np.ndarray:
-        """Return what is shown of the view, with the joints that were found drawn over it."""
+        """Return the picture of the view for a person, with the found joints drawn over it."""
         image = self._colour.copy()
         for middles, borders in self.tracks():
             for k in (0, 1):
@@ -330,7 +329,7 @@ class _Rows(_Turned):
     def _straight(
         self, middles: np.ndarray, borders: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-        """Return a row's image, which of its columns are good, and its end joints' profile."""
+        """Return a row's image, its good columns, and the strength of end joints along it."""
         strip = round(UNITS.strip_m * JOINTS.px_per_m)
         low, high = middles[0] - strip / 2, middles[-1] + strip / 2
         columns = round((high - low) * self._scale)
@@ -354,7 +353,7 @@ class _Rows(_Turned):
     def _pieces(
         self, good: np.ndarray, ends: np.ndarray, *, whole: bool = True
     ) -> Iterator[tuple[int, int]]:
-        """Yield first and last column of the units of a row, of all or of those seen `whole`."""
+        """Yield the first and last column of a row's units: all, or only those seen `whole`."""
         length = self._pattern.length_m * JOINTS.px_per_m
         if np.isfinite(length):
             places = [round(x) for x in comb(np.where(good, ends, 0.0), length, UNITS.loose)]
@@ -375,7 +374,7 @@ class _Rows(_Turned):
                 yield left, right
 
     def profiles(self) -> list[np.ndarray]:
-        """Return the colours (2 n + 1, 3) across joints between rows, n = `UNITS.joint_px`."""
+        """Return the colours (2 n + 1, 3) across each joint between rows, n = `UNITS.joint_px`."""
         found = []
         reach = np.arange(-UNITS.joint_px, UNITS.joint_px + 1)
         for middles, borders in self.tracks():
@@ -389,7 +388,7 @@ class _Rows(_Turned):
 
 
 def _whole(ends: np.ndarray, left: int, right: int) -> bool:
-    """Return whether a unit's ends show joints more clearly than anything between them."""
+    """Return whether the joints at a unit's ends are stronger than anything between them."""
     rim = max(1, round(UNITS.loose * (right - left)))
     inner = ends[left + rim : right - rim]
     at_ends = [ends[max(x - 2, 0) : x + 3] for x in (left, right)]
@@ -399,7 +398,7 @@ def _whole(ends: np.ndarray, left: int, right: int) -> bool:
 
 
 def comb(line: np.ndarray, step: float, loose: float) -> list[float]:
-    """Return the places of joints about `step` px apart in their strength along a line (n,)."""
+    """Return the places of joints about `step` px apart, from the strength along a line (n,)."""
     starts = np.arange(0.0, step, 0.5)
     at = np.arange(len(line))
     counts = np.arange(int(len(line) / step) + 1)
@@ -416,7 +415,7 @@ def comb(line: np.ndarray, step: float, loose: float) -> list[float]:
 
 
 def _evenly_lit(image: np.ndarray, valid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return an image (h, w, 3) about 0.5 in one light, and the light (h, w) over its mean."""
+    """Return an evenly lit image (h, w, 3) around 0.5, and the light (h, w) over its median."""
     sigma = UNITS.light_m * JOINTS.px_per_m
     light = np.dstack([nearby(channel, valid, sigma) for channel in cv2.split(image)])
     usual = np.median(light[valid], axis=0)

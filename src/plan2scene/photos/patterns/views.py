@@ -1,4 +1,4 @@
-"""Floors that photos show, seen straight on in metres."""
+"""Rectify the floors that photos show: seen straight on, at a scale in metres."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from plan2scene.photos.planes.planes import PhotoPlane, plane_of_row, read_plane
 from plan2scene.photos.planes.rectification import rectify
 from plan2scene.stage_json import read_stage_json
 
-#: What measures a camera's height in a room (:class:`PhotoPlane`); others guess it.
+#: Sources of a plane's scale that measure the camera's height; the others guess it.
 _MEASURED = ("plan", "room_height")
 
 
@@ -32,26 +32,26 @@ class FloorView:
 
     photo: str
     rooms: tuple[str, ...]  #: rooms that it may belong to
-    #: whether +x and +y (down) of the image are the plan's x and z, else the photo's own frame
+    #: whether +x and +y (down) of the image are the plan's x and z; else those of the photo's frame
     in_plan: bool
     image: np.ndarray  #: (h, w, 3) uint8: sRGB at `JOINTS.px_per_m`
-    mask: np.ndarray  #: (h, w) bool: The floor
-    directions: list[Direction]  #: of its lines
+    mask: np.ndarray  #: (h, w) bool: the floor
+    directions: list[Direction]  #: directions of its lines
     px_per_m: float = JOINTS.px_per_m  #: photo pixels per metre where it is seen best
-    #: height of the camera that gives the view its metres; NaN where that is a guess
+    #: height of the camera, from which the view's scale follows; NaN if it is a guess
     camera_m: float = float("nan")
-    #: metres that one of the view's would be with the house's usual camera height
+    #: factor from the view's metres to metres at the house's usual camera height
     usual: float = 1.0
 
     @property
     def square_m(self) -> float:
-        """Return the area that is seen, square metres."""
+        """Return the area of the floor that is seen, square metres."""
         return float(self.mask.sum()) / JOINTS.px_per_m**2
 
 
 @dataclass(frozen=True)
 class PhotoFiles:
-    """What the stages before know of a house's photos: files, and the photos by name."""
+    """Files of a house's photos: the photos by name, and the outputs of earlier stages."""
 
     photos: Mapping[str, Path]
     masks: Path
@@ -63,7 +63,7 @@ class PhotoFiles:
 class PhotoPlanes:
     """A photo, (h, w, 3) uint8 sRGB, and some of its planes with the camera of each.
 
-    Floors are level in any frame: those of a `placed` photo are seen in the plan's.
+    `placed` tells whether the photo has a pose; its floors are then seen in the plan's frame.
     """
 
     photo: str
@@ -75,7 +75,7 @@ class PhotoPlanes:
 def photos_with_planes(
     files: PhotoFiles, surfaces: Collection[str], *, house_id: str = ""
 ) -> list[Callable[[], PhotoPlanes]]:
-    """Return what reads each photo that shows planes of some surfaces, by name."""
+    """Return a function for each photo with planes of `surfaces`, which reads that photo."""
     poses = read_poses(files.cameras)
     frames = read_stage_json(files.masks / "cameras.json", "cameras")
     readers: list[Callable[[], PhotoPlanes]] = []
@@ -111,10 +111,10 @@ def _read(
 
 
 def with_usual_height(views: Sequence[FloorView]) -> list[FloorView]:
-    """Return views that know what their metres are by the house's usual camera height.
+    """Return the views with `usual` set by the median camera height of the house.
 
-    A house is photographed from one height, by a tripod or by one person, while a photo's own
-    height may be off by a fifth.
+    All photos of a house are taken from about one height (a tripod, one person), while the measured
+    height of a single photo may be off by a fifth.
     """
     heights = {view.photo: view.camera_m for view in views if np.isfinite(view.camera_m)}
     usual = float(np.median(list(heights.values()))) if heights else float("nan")
@@ -125,7 +125,7 @@ def with_usual_height(views: Sequence[FloorView]) -> list[FloorView]:
 
 
 def floor_views(seen: PhotoPlanes) -> Iterator[FloorView]:
-    """Yield the floors that a photo shows largely enough."""
+    """Yield the floors of which a photo shows a large enough part."""
     for camera, item in seen.planes:
         if item.plane.surface != "floor":
             continue
@@ -148,9 +148,9 @@ def floor_views(seen: PhotoPlanes) -> Iterator[FloorView]:
 
 
 def of_one_colour(image: np.ndarray, mask: np.ndarray) -> np.ndarray:
-    """Return a floor (h, w) bool without pieces of another colour than its largest, as a blanket.
+    """Return a floor mask without parts whose colour differs from its largest part (a blanket).
 
-    `image` (h, w, 3) uint8 sRGB. Pieces darker or brighter by light alone stay.
+    `image` (h, w, 3) uint8 sRGB, `mask` (h, w) bool. Lightness, which light changes, counts half.
     """
     count, number, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8))
     if count <= 2:

@@ -1,7 +1,7 @@
-"""Herringbone and chevron: planks in columns that slant to one side and the other.
+"""Find herringbone and chevron: planks in columns that slant to alternate sides.
 
-Both repeat along their columns and across them, and planks of one slant have only those of the
-other beside them. Chevron has a straight joint along its columns, herringbone none.
+Both repeat along their columns and across them, and each column has only columns of the other slant
+beside it. Chevron has a straight joint between its columns, herringbone has none.
 """
 
 from __future__ import annotations
@@ -37,21 +37,21 @@ class ZigzagSettings:
     Those of columns were chosen on 43 synthetic homes and the demo.
     """
 
-    width_m: tuple[float, float] = (0.04, 0.2)  #: of planks that are tried
-    ratio: tuple[float, float] = (2.5, 9.0)  #: of length to width
-    spine: float = 0.55  #: score of joints along columns, from which on it is a chevron
-    fit: float = 0.02  #: by which a view's angle (radians), width and length are tried beside
-    period_m: tuple[float, float] = (0.2, 1.6)  #: across columns, after which they come again
-    of_extent: float = 0.7  #: longest period over what is seen across the columns
-    least: float = 0.03  #: clearness of a view that shows columns
-    near_m: float = 0.045  #: over which the direction of lines is averaged
-    coherent: float = 0.2  #: of the usual gradient's energy, added to that nearby
-    same_period: float = 0.1  #: log ratio of the period of planks and of their columns
-    slant_deg: tuple[float, float] = (35.0, 62.0)  #: of planks that are laid; else read wrongly
-    noise: float = -0.15  #: score under which repetition tells nothing of a plank's width
-    usual_ratio: float = 5.3  #: of length to width
-    unusual: float = 0.15  #: score that a ratio e times that takes off
-    square_deg: float = 6.0  #: off which planks of two columns may be in a photo's herringbone
+    width_m: tuple[float, float] = (0.04, 0.2)  #: range of the planks' widths that are tried
+    ratio: tuple[float, float] = (2.5, 9.0)  #: range of length over width that is tried
+    spine: float = 0.55  #: least score of the joints along the columns of a chevron
+    fit: float = 0.02  #: largest change tried of angle (radians) and width; twice that of length
+    period_m: tuple[float, float] = (0.2, 1.6)  #: range of periods across the columns
+    of_extent: float = 0.7  #: largest period, share of the extent that is seen across the columns
+    least: float = 0.03  #: least `Slants.clear` of a view that shows columns
+    near_m: float = 0.045  #: side of the square over which the direction of lines is averaged
+    coherent: float = 0.2  #: share of the mean gradient energy that is added to the local one
+    same_period: float = 0.1  #: largest log ratio of the periods of planks and of their columns
+    slant_deg: tuple[float, float] = (35.0, 62.0)  #: range of slants; others are measured wrongly
+    noise: float = -0.15  #: lower limit of a view's score: less tells nothing of a plank's width
+    usual_ratio: float = 5.3  #: usual length over width
+    unusual: float = 0.15  #: score subtracted at e times the usual ratio (quadratic in the log)
+    square_deg: float = 6.0  #: a slant farther than this from 45 degrees is that of a chevron
 
 
 ZIGZAG = ZigzagSettings()
@@ -64,14 +64,14 @@ _ANGLES = np.arange(0.0, 180.0, 3.0)
 
 @dataclass(frozen=True, eq=False)
 class Slants:
-    """What a view shows of planks in columns of one direction."""
+    """The slanting planks of one view, in columns of one direction."""
 
     view: FloorView
     columns_deg: float  #: from +x of the image towards +y (down), [0, 180)
-    slant_deg: float  #: between planks and columns
-    clear: float  #: how clearly lines slant to one side and the other by columns, 0..0.64
-    #: (n, m) float: How clearly planks repeat of each of `_WIDTHS` and `_RATIOS` of length to
-    #: width, -2..1; -2 where columns are of another width
+    slant_deg: float  #: angle between planks and columns
+    clear: float  #: how clearly lines slant to alternate sides from column to column, 0..0.64
+    #: (n, m) float: how clearly planks of each of `_WIDTHS` and `_RATIOS` (length over width)
+    #: repeat, -2..1; -2 where these do not fit the width of the columns
     scores: np.ndarray
 
     @property
@@ -83,10 +83,10 @@ class Slants:
 def find_zigzag(
     views: Sequence[FloorView], weights: np.ndarray, same_size: float
 ) -> tuple[Zigzag, float, list[tuple[Slants, float, float]]] | None:
-    """Return how planks lie in columns, and how clearly their lines slant both ways (0..0.64).
+    """Return the herringbone or chevron of views, how clear it is (0..0.64), and each view's part.
 
-    And what each view says: direction, the width there (metres), and how clearly. Scales of views,
-    which count by `weights` (n,), differ by a log ratio of `same_size`. None where none shows any.
+    A view's part is its slants, the planks' width there (metres) and how clear they are. Views have
+    `weights` (n,); their scales may differ by the log ratio `same_size`. None if no view shows any.
     """
     shown = [
         (one, weight)
@@ -107,7 +107,7 @@ def find_zigzag(
     read = []
     for one, weight in shown:
         line = one.scores[rows, columns].max(axis=1)
-        if line.max() > -2.0:  # its columns are as wide as those of the others
+        if line.max() > -2.0:  # its columns are as wide as those of the other views
             read.append((one, float(_WIDTHS[rows][line.argmax()]), weight))
     clear = sum(one.clear * weight for one, _, weight in read) / max(weights.sum(), 1.0)
     slant = max(read, key=lambda item: item[0].clear * item[2])[0].slant_deg
@@ -129,9 +129,9 @@ def find_zigzag(
     return found, float(clear), [(one, width, one.clear) for one, width, _ in read]
 
 
-@lru_cache(maxsize=64)  # a view is read with its material and with its room
+@lru_cache(maxsize=64)  # a view is needed twice: for its material and for its room
 def slants(view: FloorView) -> Slants | None:
-    """Return what a view shows of planks in columns; None where its lines do not slant so."""
+    """Return the slanting planks that a view shows in columns; None if there are none."""
     contrast, valid = evened(view.image, view.mask)
     found = _alternating(contrast, valid)
     if found is None or found.clear < ZIGZAG.least:
@@ -168,22 +168,23 @@ def slants(view: FloorView) -> Slants | None:
 
 @dataclass(frozen=True)
 class _Columns:
-    """Columns in which lines slant to one side and the other."""
+    """Columns in which lines slant to alternate sides."""
 
-    clear: float  #: how clearly, 0..0.64
-    angle_deg: float  #: of the columns
-    period_m: float  #: across them, after which they come again
-    ways_deg: tuple[float, float]  #: directions of the lines
+    clear: float  #: how clearly they do, 0..0.64
+    angle_deg: float  #: direction of the columns
+    period_m: float  #: period across the columns
+    ways_deg: tuple[float, float]  #: directions of the lines of both slants
 
 
-#: Each so many pixels the direction of lines is looked at.
+#: Step in pixels at which the direction of lines is sampled.
 _EACH_PX = 4
 
 
 def _line_tensor(contrast: np.ndarray, valid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the direction of lines (h, w) complex at each of `_EACH_PX` pixels, and what is seen.
+    """Return the direction of lines (h, w) complex at every `_EACH_PX` pixels, and what is seen.
 
-    The structure tensor of the gradient: twice its angle, and at most 1 where all lines agree.
+    It is the gradient's structure tensor: the argument is twice the gradient's angle, the modulus
+    below 1, and largest where all lines nearby have one direction.
     """
     smooth = cv2.GaussianBlur(contrast, (0, 0), JOINTS.line_px)
     gx, gy = cv2.Sobel(smooth, cv2.CV_32F, 1, 0), cv2.Sobel(smooth, cv2.CV_32F, 0, 1)
@@ -198,10 +199,10 @@ def _line_tensor(contrast: np.ndarray, valid: np.ndarray) -> tuple[np.ndarray, n
 
 
 def _alternating(contrast: np.ndarray, valid: np.ndarray) -> _Columns | None:
-    """Return the columns of a view; None where too little is seen.
+    """Return the columns of a view; None if too little is seen.
 
-    They are a wave of the lines' direction, and the only one: a basket's are waves both ways, and
-    a brick's lines run one way nearly all over the floor.
+    Columns make the direction of lines a wave across them, and only across them. A basket weave has
+    waves in two directions, and the lines of bricks have one direction nearly everywhere.
     """
     tensor, seen = _line_tensor(contrast, valid)
     rows, columns = np.nonzero(seen)
@@ -236,9 +237,10 @@ def _alternating(contrast: np.ndarray, valid: np.ndarray) -> _Columns | None:
 
 
 def _repeats(alike: np.ndarray, columns_deg: float, slant_deg: float) -> np.ndarray:
-    """Return how clearly lines along x (n, m) repeat as those of planks of one slant do.
+    """Return how clearly (n, m) lines along x repeat like the planks of one slant.
 
-    `alike` (h, w) at shifts of two pixels, wrapped around; columns at an angle to the lines.
+    `alike` (h, w) is the autocorrelation in steps of two pixels, negative shifts at the end;
+    `columns_deg` is the angle between the columns and the lines.
     """
     width, ratio = _WIDTHS[:, None], _RATIOS[None, :]
     sine = np.sin(np.radians(slant_deg))
@@ -273,16 +275,16 @@ def _repeats(alike: np.ndarray, columns_deg: float, slant_deg: float) -> np.ndar
         mean(0.5, across, back),
         mean(0.0, across / 2, beside),
         np.mean([at(lengthwise[0] + k * step, lengthwise[1]) for k in beside], axis=0),
-        # As far along planks the other way, where those of a basket are as well.
+        # The same shifts, mirrored to the other slant: there a basket weave repeats as well.
         mean(0.0, 0.0, range(1, 5), mirrored=True),
     ]
     return np.asarray(np.min(same, axis=0) - np.max(other, axis=0))
 
 
 def fitted(zigzag: Zigzag, view: Upright) -> tuple[Zigzag, np.ndarray]:
-    """Return a pattern with the sizes of a view that is turned to its columns, and where it lies.
+    """Fit a pattern to a view turned to its columns; return its sizes there and its place.
 
-    Which is (h, w, 2) metres along the columns and across them of each pixel, as
+    The place is (h, w, 2), metres of each pixel along the columns and across them, as
     :meth:`Zigzag.planks` takes them.
     """
     scale = JOINTS.px_per_m
@@ -312,13 +314,13 @@ def fitted(zigzag: Zigzag, view: Upright) -> tuple[Zigzag, np.ndarray]:
 
 
 def _turned(places: np.ndarray, angle: float) -> np.ndarray:
-    """Return places (..., 2) turned back by an angle, radians."""
+    """Return places (..., 2) rotated back by an angle, radians."""
     cosine, sine = np.cos(angle), np.sin(angle)
     return np.asarray(places @ np.array([[cosine, -sine], [sine, cosine]]))
 
 
 def _shifted(zigzag: Zigzag, places: np.ndarray, value: np.ndarray) -> tuple[float, np.ndarray]:
-    """Return how well joints fit contrast (n,) at places (n, 2), and their shift (2,)."""
+    """Return how well a pattern's joints fit contrast (n,) at places (n, 2), and the best shift."""
     period = np.array(zigzag.period_m)
     bins = np.maximum(np.round(period * JOINTS.px_per_m), 1).astype(int)
     cell = np.floor(places / period % 1.0 * bins).astype(int) % bins

@@ -1,7 +1,7 @@
-"""Planes of a photo: one floor, one ceiling, walls split by the direction they face.
+"""Planes of a photo: one floor, one ceiling, walls split by the direction that they face.
 
 Positions are metres from the camera centre in the photo's Manhattan frame (x, y up, z;
-``docs/conventions.md``). A plane holds the points X with ``normal . X = offset``; normals point
+``docs/conventions.md``). A plane is the set of points X with ``normal . X = offset``. Normals point
 into the room, so offsets are negative.
 """
 
@@ -27,16 +27,16 @@ class Plane:
 
     surface: str  #: ``floor``, ``wall`` or ``ceiling``
     #: Number within the surface: walls from the largest to the smallest, 0..9; floor and ceiling
-    #: are 0, of a located photo also more where other rooms are seen.
+    #: are 0. A located photo that shows other rooms can have more of each.
     index: int
-    #: (3,): Unit normal into the room, in the frame of the camera that it was split with.
+    #: (3,): Unit normal into the room, in the frame of the camera that the photo was split with.
     normal: tuple[float, float, float]
     offset: float  #: ``normal . X`` of its points, metres from the camera centre.
     mask: np.ndarray  #: (h, w) bool: Its pixels
-    #: What gave the distance: ``camera_height`` (prior), ``room_height`` (floor and ceiling seen
-    #: with a known room height), ``room_extent`` (walls farther, or opposite ones farther apart or
-    #: nearer, than the plan has them), ``plan`` (the photo is located), or ``prior`` (the
-    #: photo shows nothing that gives it).
+    #: What gave the distance: ``camera_height`` (prior), ``room_height`` (feet and tops of walls
+    #: with a known room height), ``room_extent`` (the prior put walls farther away, or opposite
+    #: walls farther apart or nearer, than the plan has them), ``plan`` (the photo is located), or
+    #: ``prior`` (the photo shows nothing that gives it).
     scale_source: str
     camera_height_m: float = PLANES.camera_height_m  #: height of the camera above the floor, metres
 
@@ -45,11 +45,11 @@ class Plane:
 class PhotoPlane:
     """A plane of a photo and the rooms that it may belong to."""
 
-    #: Rooms of one size, or the one that the photo's place gives.
+    #: Candidate rooms of one size; of a located photo the one room that the plan gives.
     rooms: tuple[str, ...]
     plane: Plane
-    own: bool = True  #: whether the photo was taken within that room
-    #: Ids of the walls on the plane, where the photo's place gives them.
+    own: bool = True  #: whether the photo was taken inside that room
+    #: Ids of the walls on the plane, if the photo is located.
     walls: tuple[str, ...] = ()
 
     @property
@@ -70,11 +70,11 @@ def split_planes(
     """Return the planes of a photo: floor, ceiling, then walls by size.
 
     `labels` (h, w) uint8 are 0 other, 1 floor, 2 wall, 3 ceiling, 255 ignore, of the camera's size.
-    `segments` (n, 4) float64, pixels (`lines.find_segments`, those of walls), tell which way a wall
-    faces that shows neither foot nor top. `camera_height_m` is that above the floor where nothing
-    gives it. Where one wall shows both its foot and its top, `room_height_m` of the plan gives it.
-    Else `room_extent_m`, the sides of the room's rectangle in the plan (`walls.room_extent`),
-    bounds it, or gives it where opposite walls are seen.
+    `segments` (n, 4) float64, pixels (`lines.find_segments`, those of walls), help to find which
+    way a wall faces, if neither its foot nor its top is seen. `camera_height_m` is the prior of the
+    camera's height above the floor. If enough feet and tops of walls are seen, the height follows
+    from `room_height_m` of the plan. Else `room_extent_m`, the sides of the room's rectangle in the
+    plan (`walls.room_extent`), bounds the height, or gives it if opposite walls are seen.
     """
     room = PLANES.room_height_m if room_height_m is None else room_height_m
     prior = min(camera_height_m, 0.8 * room)
@@ -86,9 +86,9 @@ def split_planes(
 def _flat_planes(
     labels: np.ndarray, camera: Camera, traced: TracedWalls, room: RoomSize, *, known: bool
 ) -> list[Plane]:
-    """Return the room's floor and ceiling, as far as seen; `known`: the plan gives the height."""
+    """Return the room's floor and ceiling, if seen; `known`: the plan gives the room's height."""
     height, source = traced.camera_height_m, traced.scale_source
-    # Without the room's height, the ceiling's distance is a guess whatever the floor's is.
+    # Without the room's height the ceiling's distance is a guess, even if the floor's is known.
     above = source if known else "prior"
     longest = float(np.hypot(*room.extent_m)) if room.extent_m else np.inf
     rise = room.height_m - height
@@ -104,7 +104,7 @@ def _flat_planes(
 
 
 def _wall_planes(labels: np.ndarray, traced: TracedWalls) -> list[Plane]:
-    """Return the largest walls, by size."""
+    """Return the largest walls, the largest first."""
     wall = (labels == WALL) & ~traced.through
     masks = [without_specks(wall & (traced.owner == k)) for k in range(len(traced.lines))]
     walls = sorted(zip(traced.lines, masks, strict=True), key=lambda item: -int(item[1].sum()))
@@ -166,7 +166,7 @@ def plane_row(photo: str, item: PhotoPlane) -> dict[str, Any]:
 def write_planes(
     path: str | Path, rows: Sequence[Mapping[str, Any]], *, dataset: str, house_id: str
 ) -> None:
-    """Write the planes of a house's photos; `rows` as of :func:`plane_row`."""
+    """Write the planes of a house's photos; `rows` are those of :func:`plane_row`."""
     import pandas as pd
 
     table = pd.DataFrame(rows, columns=list(_COLUMNS)).astype(_COLUMNS)
@@ -183,7 +183,7 @@ def read_planes(path: str | Path) -> dict[str, list[dict[str, Any]]]:
 
 
 def plane_of_row(row: Mapping[str, Any], size: tuple[int, int]) -> PhotoPlane:
-    """Return the plane of a row of planes.parquet; `size` is (height, width) of the photo."""
+    """Return the plane in a row of planes.parquet; `size` is (height, width) of the photo."""
     mask = np.zeros(size, np.uint8)
     cv2.fillPoly(mask, [np.array(ring, np.int32).reshape(-1, 2) for ring in row["polygons"]], 1)
     x, y, z = (float(value) for value in row["normal"])

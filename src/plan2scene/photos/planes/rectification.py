@@ -1,9 +1,9 @@
-"""Homography of a plane of a photo to metres: the plane seen straight on, to scale.
+"""Homography from a plane of a photo to metres: the plane seen straight on, to scale.
 
-Axes of the rectified image (``docs/conventions.md``): walls have rows down the wall and columns
-to the right as seen from inside; floors and ceilings have columns along +x and rows along +z of
-the photo's Manhattan frame. A ceiling is therefore mirrored against the photo, as it must be to
-look right on a mesh whose UVs are (x, z).
+Axes of the rectified image (``docs/conventions.md``): for walls, rows go down and columns go to the
+right as seen from inside; for floors and ceilings, columns go along +x and rows along +z of the
+photo's Manhattan frame. The image of a ceiling is therefore mirrored against the photo, which makes
+it look right on a mesh whose UVs are (x, z).
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ class RectifiedPlane:
 
     photo: np.ndarray  #: (h, w, 3) uint8 sRGB
     to_photo: np.ndarray  #: (3, 3) float64: Homography from rectified pixels to the photo's
-    #: (h, w) bool: Usable pixels: in the plane's mask, not too flat, sampled densely enough.
+    #: (h, w) bool: Usable pixels: in the plane's mask, not seen at too flat an angle, dense enough.
     mask: np.ndarray
     #: (2,): Plane coordinates (right, down), metres, of the image's top left corner.
     origin: tuple[float, float]
     metres_per_pixel: float  #: side of a pixel
-    #: (3, 3) float64: Rows: unit right, unit down, and the foot of the camera on the plane (where
-    #: plane coordinates are 0, 0), metres from the camera.
+    #: (3, 3) float64: Rows: unit right, unit down, and the plane's point nearest to the camera
+    #: (plane coordinates 0, 0), metres from the camera.
     axes: np.ndarray
     focal_px: float  #: focal length of the photo, pixels
 
@@ -50,9 +50,9 @@ class RectifiedPlane:
         return (x, y, x + side * step, y + side * step)
 
     def places(self, side: int) -> np.ndarray:
-        """Return where a square of `side` pixels lies fully inside the mask: its top left pixels.
+        """Return the top left pixels at which a square of `side` pixels is fully inside the mask.
 
-        (h - side + 1, w - side + 1) bool; empty where it does not fit.
+        (h - side + 1, w - side + 1) bool; empty if the square is larger than the image.
         """
         if side > min(self.mask.shape):
             return np.zeros((0, 0), bool)
@@ -85,18 +85,18 @@ def plane_axes(plane: Plane) -> np.ndarray:
 
 @dataclass(frozen=True)
 class PlanePixels:
-    """The pixels of a plane, independent of the density that is wanted."""
+    """The pixels of a plane, for any density of the rectified image."""
 
     mask: np.ndarray  #: (h, w) bool: The plane's mask without its border
     places: tuple[np.ndarray, np.ndarray]  #: (n,), (n,) int64: Rows and columns of its pixels
     points: np.ndarray  #: (n, 2) float64: Plane coordinates (right, down), metres
     #: (n,) float64: Photo pixels per metre, geometric mean of both directions on the plane.
     density: np.ndarray
-    good: np.ndarray  #: (n,) bool: Seen neither too flat nor as skirting board
+    good: np.ndarray  #: (n,) bool: Neither seen at too flat an angle nor a skirting board
 
 
 def plane_pixels(camera: Camera, plane: Plane) -> PlanePixels:
-    """Return the pixels of a plane with what decides whether they are worth rectifying."""
+    """Return the pixels of a plane, with their positions, densities and whether they are usable."""
     border = max(1, round(PLANES.border_share * camera.width))
     kernel = np.ones((2 * border + 1, 2 * border + 1), np.uint8)
     mask = cv2.erode(plane.mask.astype(np.uint8), kernel) > 0
@@ -124,10 +124,11 @@ def rectify(
 ) -> RectifiedPlane | None:
     """Return a plane of a photo (h, w, 3) uint8 sRGB seen straight on; None when none is usable.
 
-    What has fewer than `min_density` photo pixels per metre is left out. `pixels` are the plane's,
-    where it is rectified more than once. The resolution is that of the photo's best part (90th
-    percentile of its sampling density), so that nothing is thrown away there and warping hardly
-    aliases; the far part is upsampled at most by that over `min_density`.
+    Pixels of fewer than `min_density` photo pixels per metre are left out. `pixels` are those of
+    :func:`plane_pixels`, to save time for a plane that is rectified more than once. The resolution
+    is that of the photo's densest part (90th percentile of its sampling density): no detail is lost
+    there, and warping hardly aliases. The rest is upsampled at most by the ratio of this density to
+    `min_density`.
     """
     pixels = pixels or plane_pixels(camera, plane)
     good = pixels.good & (pixels.density >= min_density)
@@ -163,7 +164,7 @@ def rectify(
 def _ahead(
     camera: Camera, axes: np.ndarray, low: np.ndarray, step: float, shape: tuple[int, int]
 ) -> np.ndarray:
-    """Return which pixels of the rectified image lie before the camera (a homography mirrors)."""
+    """Return the rectified pixels in front of the camera; the homography maps those behind, too."""
     forward = camera.matrix[2]
     x = (low[0] + (np.arange(shape[0]) + 0.5) * step) * float(forward @ axes[0])
     y = (low[1] + (np.arange(shape[1]) + 0.5) * step) * float(forward @ axes[1])

@@ -1,13 +1,13 @@
 """Walls of a photo in plan view: which wall a viewing direction meets.
 
-In the Manhattan frame nearly every wall is x = +-d or z = +-d (d metres from the camera); a bay
-window's or a slanted one has a normal of its own where its foot shows it. The foot of a
-wall, where wall pixels stand on floor pixels, lies on the floor plane, so its slope below the
-horizon gives the distance; its top under the ceiling likewise. Viewing directions are binned by
-azimuth (not by image column: with a pitched camera a vertical crease is no column), and the
-cheapest sequence of walls over the bins is found by dynamic programming. The room's size in the
-plan gives the scale. A door shows as floor that runs on beyond the foot of a wall, or as a stretch
-of wall farther away between two stretches of one wall; what lies behind it is not the room's.
+In the Manhattan frame nearly every wall is x = +-d or z = +-d (d metres from the camera). A wall of
+a bay window or a slanted wall gets a normal of its own if its foot shows it. The foot of a wall,
+where wall pixels stand on floor pixels, lies on the floor plane, so its slope below the horizon
+gives the distance. The top under the ceiling gives it likewise. Viewing directions are binned by
+azimuth (not by image column: with a pitched camera the crease of two walls crosses columns), and
+dynamic programming finds the cheapest sequence of walls over the bins. The room's size in the plan
+gives the scale. A door shows as floor that goes on beyond the foot of a wall, or as a farther wall
+between two parts of one wall; what lies behind the door does not belong to the room.
 """
 
 from __future__ import annotations
@@ -37,85 +37,85 @@ class PlaneSettings:
     #: Widest strip of other things (cornice, skirting) between a wall and its floor or ceiling:
     #: share of the photo's height.
     gap_share: float = 0.03
-    #: Angle within which a line segment runs along an axis, radians.
+    #: Largest angle between a line segment and an axis that it runs along, radians.
     segment_noise: float = float(np.radians(2.0))
 
-    # Walls that feet and tops suggest.
-    #: Walls that face a Manhattan direction, at most.
-    max_candidates: int = 8
-    min_support: int = 4  #: bins with a foot or top that suggest a wall
-    #: Distances of walls of which neither foot nor top is seen, metres.
+    # Candidate walls from feet and tops.
+    max_candidates: int = 8  #: largest number of candidate walls that face a Manhattan direction
+    min_support: int = 4  #: least number of feet and tops, over the bins, of a candidate wall
+    #: Distances that are tried for a wall whose foot and top are both hidden, metres.
     unseen_distances_m: tuple[float, ...] = (3.0, 2.2, 1.6, 1.1, 0.7, 0.4)
     distance_range_m: tuple[float, float] = (0.3, 15.0)  #: distances that are accepted, metres
-    #: Cosine to a wall's direction below which no wall is accepted (about 85 degrees from its
-    #: normal).
+    #: Least cosine between a viewing direction and the normal of the wall that it meets (about 85
+    #: degrees).
     min_facing: float = 0.08
-    #: A wall that faces neither Manhattan direction: neighbouring bins that must show a straight
-    #: foot (a tenth of all).
+    #: Slanted walls (they face no Manhattan direction): number of neighbouring bins (a tenth of
+    #: all) that must show a straight foot.
     slanted_bins: int = 24
-    #: How far from straight that foot may be, radians as seen.
+    #: Largest deviation of that foot from straight, radians of elevation.
     slanted_noise: float = float(np.radians(0.4))
-    #: Least angle of such a wall to the Manhattan directions, radians.
+    #: Least angle of a slanted wall to the Manhattan directions, radians.
     slanted_angle: float = float(np.radians(12.0))
-    max_slanted: int = 4  #: such walls, at most
+    max_slanted: int = 4  #: largest number of slanted walls
 
     # The cheapest sequence of walls over the bins.
     #: Angular noise of a mask's border, radians.
     border_noise: float = float(np.radians(0.5))
-    #: Cost at which a point counts as an outlier (squared residual over noise).
+    #: Largest cost of a foot or top (square of residual over noise), which bounds outliers.
     outlier: float = 9.0
-    #: How far wall pixels may reach beyond a wall's foot or top, radians.
+    #: Noise of how far wall pixels reach beyond a wall's foot or top, radians.
     beyond_noise: float = float(np.radians(1.5))
     crease: float = 14.0  #: cost of a corner
     jump: float = 28.0  #: cost of a jump between parallel walls
     unseen: float = 0.4  #: cost per bin of a wall that no foot or top supports
-    #: Further cost of a crease with a wall that faces neither Manhattan direction.
+    #: Further cost of a crease with a slanted wall.
     slant: float = 16.0
-    #: Bins on both sides of a crease that must show something for it to be accepted.
+    #: Bins on each side of a crease, at least half of which must show something; else the crease
+    #: does not locate a wall.
     crease_bins: int = 6
-    vote: float = 0.5  #: cost per bin of each segment that runs along the other kind of wall
+    vote: float = 0.5  #: cost per bin of each segment that contradicts the wall's direction
     max_votes: float = 1.5  #: bound of that cost
 
     # Scale: the camera's height.
     #: Heights that are accepted, metres.
     height_range_m: tuple[float, float] = (0.8, 2.1)
     height_spread_m: float = 0.25  #: standard deviation of the height about its prior, metres
-    min_height_bins: int = 8  #: bins that must show feet and tops to give the height
-    tall_m: float = 10.0  #: height above the camera of walls whose top is not used, metres
-    camera_height_m: float = 1.5  #: height where the photo shows nothing that gives it, metres
+    min_height_bins: int = 8  #: least number of feet, and of tops, that give the height
+    tall_m: float = 10.0  #: height of walls above the camera where tops are not used, metres
+    camera_height_m: float = 1.5  #: prior of the camera's height above the floor, metres
     room_height_m: float = 2.6  #: height of a room where the plan gives none, metres
 
     # Scale: the room's extent in the plan.
-    #: Share of its bounding rectangle that a room must fill for its extent to mean something.
+    #: Least share of its bounding rectangle that a room fills; else its extent is not used.
     min_filled: float = 0.9
-    min_wall_bins: int = 8  #: bins in which a wall must be seen to count
+    min_wall_bins: int = 8  #: least number of bins in which a wall's foot is seen
     clearance_m: float = 0.3  #: least distance of a camera from the wall behind it, metres
-    extent_spread: float = 0.06  #: spread of the log ratio between a span seen and the plan's
+    extent_spread: float = 0.06  #: spread of the log ratio of a span in the photo to the plan's
     extent_bound: float = 9.0  #: bound of a span's cost
 
     # What lies beyond the room.
-    #: How much farther than a wall what is seen through its door is, metres.
+    #: Least distance from a wall to what is seen through its door, along the view, metres.
     min_step_m: float = 0.3
     max_door_m: float = 2.6  #: widest opening that counts as a door, metres
-    margin_share: float = 0.1  #: margin of distances, share
-    margin_m: float = 0.1  #: margin of distances, metres
-    #: Where less than this share of a surface is left all of it is kept: its distances are wrong.
+    margin_share: float = 0.1  #: margin on the longest line in the room, share
+    margin_m: float = 0.1  #: margin on the distance of walls, metres
+    #: If a smaller share of a surface is within the room, all of it is kept: distances are wrong.
     min_left: float = 0.1
 
     # Planes.
-    #: Walls kept of a photo, the largest first. Source: the paper's 10 largest planes.
+    #: Largest number of walls of a photo; the largest are kept. Source: the paper's 10 planes.
     max_walls: int = 10
     min_share: float = 0.002  #: smallest plane, share of the photo's pixels
 
     # Rectification.
     #: Largest side of a rectified image, pixels.
     max_side_px: int = 2048
-    min_grazing_deg: float = 15.0  #: rays flatter than this to the plane are of no use, degrees
+    min_grazing_deg: float = 15.0  #: least angle between a ray and the plane, degrees
     #: Bounds of the resolution, pixels per metre.
     resolution_range: tuple[float, float] = (60.0, 512.0)
-    #: Walls are left out below this height above the floor (skirting boards), metres.
+    #: The part of a wall below this height above the floor is left out (skirting boards), metres.
     skirting_m: float = 0.12
-    border_share: float = 0.005  #: pixels shaved off the mask's border, share of the photo's width
+    border_share: float = 0.005  #: width removed at the mask's border, share of the photo's width
 
 
 PLANES = PlaneSettings()
@@ -123,14 +123,14 @@ PLANES = PlaneSettings()
 
 @dataclass(frozen=True)
 class Borders:
-    """Borders of the wall mask per azimuth bin."""
+    """Borders of the wall mask in each of the b azimuth bins."""
 
     direction: np.ndarray  #: (b, 2) float64: Unit (x, z) of the bin's middle
     #: foot, top: (b,) float64: Slope (rise over horizontal distance) of the wall's foot (< 0) and
     #: top (> 0); NaN where not seen.
     foot: np.ndarray
     top: np.ndarray
-    #: (b, 2) float64: Lowest and highest slope of wall pixels; NaN where there are none.
+    #: (b, 2) float64: 2nd and 98th percentile of the slopes of wall pixels; NaN if there are none.
     reach: np.ndarray
     bins: np.ndarray  #: (h, w) int: Bin of each pixel
 
@@ -166,9 +166,9 @@ def find_borders(labels: np.ndarray, camera: Camera) -> Borders:
 
 
 def _borders_on(labels: np.ndarray, below: int, gap: int) -> np.ndarray:
-    """Return the wall pixels (h, w) with label `below` under them, at most `gap` rows further.
+    """Return the wall pixels (h, w) bool with label `below` at most `gap` rows under them.
 
-    What is between is another thing or ignored: skirting, cornice, a cable.
+    Only pixels of other things or ignored pixels may be between: skirting, cornice, a cable.
     """
     wall = labels == WALL
     borders = np.zeros_like(wall)
@@ -194,7 +194,7 @@ def _by_bin(bins: np.ndarray, values: np.ndarray, chosen: np.ndarray, q: float) 
 def facing_votes(
     segments: np.ndarray | None, labels: np.ndarray, camera: Camera, bins: np.ndarray
 ) -> np.ndarray:
-    """Return (b, 2): horizontal segments along z and along x on walls, by bin.
+    """Return for each bin the number of segments on walls along z and along x, (b, 2).
 
     A segment along z lies on a wall that faces x (axis 0), one along x on a wall that faces z.
     """
@@ -253,7 +253,7 @@ class WallLine:
 
 #: Outward directions of Manhattan walls.
 DIRECTIONS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
-#: Walls for where neither foot nor top is seen: the farthest that no wall pixel contradicts fits.
+#: Walls whose foot and top are both hidden: the farthest that no wall pixel contradicts is taken.
 UNSEEN_LINES = tuple(
     WallLine(outward, distance, False)
     for outward in DIRECTIONS
@@ -264,8 +264,8 @@ UNSEEN_LINES = tuple(
 def likely_walls(borders: Borders, distances: np.ndarray) -> list[WallLine]:
     """Return the walls that most feet and tops lie on, the best supported first.
 
-    `distances` (b, 2) are those of foot and top from the camera on the plan, metres, NaN where
-    not seen. Walls with a normal of their own come last.
+    `distances` (b, 2) are the horizontal distances of foot and top from the camera, metres, NaN
+    where not seen. Slanted walls come last.
     """
     supported: list[tuple[float, WallLine]] = []
     for outward in DIRECTIONS:
@@ -284,7 +284,7 @@ def likely_walls(borders: Borders, distances: np.ndarray) -> list[WallLine]:
 
 
 def _peaks(offset: np.ndarray) -> list[tuple[int, float]]:
-    """Return (count, median) of the densest groups of sorted distances within +-6 %."""
+    """Return (count, median) of the largest groups of sorted distances within +-6 %."""
     groups: list[tuple[int, float]] = []
     left = offset
     while len(left) >= PLANES.min_support and len(groups) < 4:
@@ -298,9 +298,9 @@ def _peaks(offset: np.ndarray) -> list[tuple[int, float]]:
 
 
 def _own_walls(borders: Borders, distances: np.ndarray) -> list[WallLine]:
-    """Return walls with normals of their own: straight feet along a third direction.
+    """Return slanted walls: straight feet along no Manhattan direction.
 
-    Tops are not asked: masks round off the corners of a ceiling, where nothing stands before it.
+    Tops are not used, because masks round off the corners of a ceiling.
     """
     reach = distances[:, 0]
     points = borders.direction * reach[:, None]
@@ -328,7 +328,7 @@ def _own_walls(borders: Borders, distances: np.ndarray) -> list[WallLine]:
 
 
 def _straight(points: np.ndarray) -> WallLine | None:
-    """Return the line through points (n, 2); None for one along a Manhattan direction."""
+    """Return the line through points (n, 2); None if it is no slanted wall at a valid distance."""
     centre = points.mean(axis=0)
     normal = np.linalg.svd(points - centre, full_matrices=False)[2][1]
     distance = float(normal @ centre)
@@ -341,7 +341,7 @@ def _straight(points: np.ndarray) -> WallLine | None:
 
 
 def _alike(line: WallLine, other: WallLine) -> bool:
-    """Tell whether two walls are one: within 8 degrees and 8 % of the distance."""
+    """Tell whether two walls are the same: within 8 degrees and 8 % of the distance."""
     turn = float(np.dot(line.outward, other.outward))
     return turn > np.cos(np.radians(8.0)) and abs(line.distance / other.distance - 1) < 0.08
 
@@ -379,11 +379,11 @@ def room_extent(room: Room) -> tuple[float, float] | None:
 def wall_spans(
     lines: Sequence[WallLine], path: np.ndarray, foot: np.ndarray
 ) -> list[tuple[float, bool]]:
-    """Return per Manhattan axis how far the walls reach, and whether on both sides.
+    """Return for each Manhattan axis the span of the walls, and whether both sides are seen.
 
-    `path` (b,) int is the wall, of `lines`, of each bin of azimuth; `foot` (b,) bool the bins that
-    show a wall's foot: only those count. Returns the distance in metres between opposite walls and
-    True, that of the only wall from the camera and False, or (0, False).
+    `path` (b,) int is the index into `lines` of each azimuth bin's wall. `foot` (b,) bool are the
+    bins that show a wall's foot; only those count. The result is (distance between opposite walls,
+    True), (distance of the only wall from the camera, False), or (0, False), metres.
     """
     count = np.bincount(path[foot], minlength=len(lines))
     spans: list[tuple[float, bool]] = []
@@ -403,11 +403,11 @@ def wall_spans(
 def extent_misfit(
     spans: Sequence[tuple[float, bool]], extent_m: tuple[float, float], scale: float
 ) -> float:
-    """Return how badly spans (`wall_spans`) times `scale` fit the sides of a room, 0 if they may.
+    """Return the cost of spans (`wall_spans`) times `scale` against the sides of a room.
 
-    Two opposite walls must be as far apart as the plan says; a single one must be nearer than
-    that by `PLANES.clearance_m`, because the camera is inside. Which side lies along which axis is
-    not known: the better way counts.
+    Two opposite walls must be as far apart as the plan says. A single wall must be nearer than that
+    by `PLANES.clearance_m`, because the camera is inside the room; its cost is 0 then. It is not
+    known which side lies along which axis: the cheaper assignment counts.
     """
     return min(
         sum(
@@ -428,11 +428,11 @@ def _misfit(span: float, both: bool, side: float) -> float:
 def room_reach(
     lines: Sequence[WallLine], path: np.ndarray, direction: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return metres (b,) that a room reaches in each direction, inf where no wall gives it.
+    """Return the distance (b,) to the room's walls by direction, metres, inf if no wall gives it.
 
-    With the directions (b,) bool that look through a door whose wall goes on on both sides. `path`
-    (b,) int is the wall that each bin of azimuth meets, -1 for none; `direction` (b, 2) float64 the
-    unit (x, z) of each bin's middle.
+    Also returns the directions (b,) bool that look through a door, with the same wall on both sides
+    of it. `path` (b,) int is the wall that each azimuth bin meets, -1 for none. `direction` (b, 2)
+    float64 is the unit (x, z) of each bin's middle.
     """
     seen = np.array([*(line.seen for line in lines), False])
     outward = np.array([line.outward for line in lines]).reshape(-1, 2)
@@ -457,8 +457,8 @@ def within_room(
 ) -> np.ndarray:
     """Return the pixels (h, w) bool of a floor's or ceiling's mask that are not beyond the room.
 
-    The surface is `drop_m` metres below the camera, negative for a ceiling; `reach` (h, w) float64
-    is `room_reach` of each pixel's direction, `longest_m` the longest line in the room, metres.
+    The surface is `drop_m` metres below the camera, negative for a ceiling. `reach` (h, w) float64
+    is the `room_reach` of each pixel's direction, `longest_m` the longest line in the room, metres.
     """
     rows, columns = np.nonzero(mask)
     if not len(rows):
@@ -478,7 +478,7 @@ def within_room(
 
 
 def _runs(numbers: np.ndarray) -> list[np.ndarray]:
-    """Return sorted integers as runs of consecutive ones."""
+    """Split sorted integers into runs of consecutive numbers."""
     return [run for run in np.split(numbers, np.flatnonzero(np.diff(numbers) > 1) + 1) if len(run)]
 
 
@@ -489,7 +489,7 @@ class TracedWalls:
     lines: list[WallLine]  #: the walls, in the order of `owner`
     #: (h, w) int16: Index into `lines` of the wall that a pixel's azimuth meets; -1 for none.
     owner: np.ndarray
-    #: (h, w) float64: How far the room reaches at a pixel's azimuth, metres; inf where not known.
+    #: (h, w) float64: Distance of the room's wall at a pixel's azimuth, metres; inf if unknown.
     reach: np.ndarray
     #: (h, w) bool: Pixels whose azimuth looks through a door, at another room's walls.
     through: np.ndarray
@@ -509,9 +509,9 @@ def trace_walls(
 ) -> TracedWalls:
     """Return the walls that a label mask shows; parameters as in `planes.split_planes`.
 
-    `solve_height` tells whether the room's height is known and may give the camera's.
-    `segments` (s, 4), pixels, are line segments of the photo: horizontal ones on a wall tell
-    which way it faces where neither its foot nor its top is seen.
+    `solve_height` tells whether the room's height is known, so that it may give the camera's.
+    `segments` (s, 4), pixels, are line segments of the photo: horizontal ones on a wall help to
+    find which way it faces, if neither its foot nor its top is seen.
     """
     borders = find_borders(labels, camera)
     facing = facing_votes(segments, labels, camera, borders.bins)
@@ -541,8 +541,8 @@ def _camera_height(
 ) -> float | None:
     """Return the camera's height from feet and tops of walls; None when too few are seen.
 
-    The height at which feet and tops agree best on common walls; directions that show both
-    then tell it exactly.
+    A search finds the height at which feet and tops agree best on common walls. Then the median
+    over the bins that show both refines it, or, with too few of them, a finer search.
     """
     low, high = PLANES.height_range_m[0], min(PLANES.height_range_m[1], 0.9 * room_height_m)
     if high <= low:
@@ -569,9 +569,9 @@ def _camera_height(
 def _height_by_extent(
     borders: Borders, facing: np.ndarray, prior: float, room: RoomSize
 ) -> float | None:
-    """Return the camera's height at which walls fit the room's extent; None if any height does.
+    """Return the camera's height at which walls fit the room's extent; None if `prior` fits, too.
 
-    Only feet are asked: distances by them grow in proportion to the camera's height.
+    Only feet are used: their distances are proportional to the height. None without an extent, too.
     """
     if room.extent_m is None:
         return None
@@ -591,7 +591,7 @@ def _height_by_extent(
 def _solve(
     borders: Borders, facing: np.ndarray, height: float, above: float
 ) -> tuple[list[WallLine], np.ndarray, float]:
-    """Return the possible walls, the wall of each bin, and what that costs."""
+    """Return the candidate walls, the index of each bin's wall, and the total cost."""
     distances = np.stack([height / -borders.foot, above / borders.top], axis=1)
     lines = likely_walls(borders, distances) + list(UNSEEN_LINES)
     costs = _costs(borders, lines, height, above)
@@ -613,12 +613,12 @@ def _costs(borders: Borders, lines: list[WallLine], height: float, above: float)
         for slope, expected in ((borders.foot, -height / reach), (borders.top, above / reach)):
             off = (np.arctan(slope) - np.arctan(expected)) / PLANES.border_noise
             costs[:, index] += np.where(np.isnan(off), 0.0, np.minimum(off**2, PLANES.outlier))
-        # Wall pixels under its foot or over its top cannot be of this wall.
+        # Wall pixels below its foot or above its top cannot belong to this wall.
         low, high = np.arctan(-height / reach), np.arctan(above / reach)
         beyond = np.fmax(low - np.arctan(borders.reach[:, 0]), 0.0)
         beyond = np.fmax(beyond, np.arctan(borders.reach[:, 1]) - high) / PLANES.beyond_noise
         costs[:, index] += np.where(has_wall, np.minimum(beyond**2, PLANES.outlier), 0.0)
-        # Of two walls that nothing tells apart, the one that is looked at more squarely.
+        # Of two walls that fit equally well, prefer the one that is seen less obliquely.
         costs[:, index] += np.where(
             has_wall, (0.0 if line.seen else PLANES.unseen) + 0.2 * (1 - facing), 0
         )
@@ -627,7 +627,7 @@ def _costs(borders: Borders, lines: list[WallLine], height: float, above: float)
 
 
 def _cheapest(costs: np.ndarray, axes: np.ndarray) -> tuple[np.ndarray, float]:
-    """Return the wall (b,) of each bin on the path of least cost, creases included; the cost."""
+    """Return the index (b,) of each bin's wall on the cheapest path, and its cost with creases."""
     turn = np.where((axes[:, None] == axes[None]) & (axes != OWN), PLANES.jump, PLANES.crease)
     turn = turn + PLANES.slant * ((axes[:, None] == OWN) | (axes[None] == OWN))
     np.fill_diagonal(turn, 0.0)
@@ -647,7 +647,7 @@ def _cheapest(costs: np.ndarray, axes: np.ndarray) -> tuple[np.ndarray, float]:
 def _settle_creases(
     path: np.ndarray, lines: list[WallLine], borders: Borders, blind: np.ndarray
 ) -> np.ndarray:
-    """Move creases inside a run of `blind` bins to where the two walls, both seen, meet."""
+    """Move creases inside a run of `blind` bins to the corner of two walls that are both seen."""
     azimuth = borders.azimuth
     settled = path.copy()
     for crease in np.nonzero(np.diff(path))[0]:
@@ -671,16 +671,16 @@ def _settle_creases(
 def _joined(
     path: np.ndarray, lines: list[WallLine], borders: Borders, blind: np.ndarray
 ) -> list[WallLine]:
-    """Return the walls with an unseen one at the distance at which it meets its neighbour.
+    """Return the walls; each unseen one is moved to meet its neighbour at their crease.
 
-    Only creases count that something locates; of two unseen walls the wider one keeps its
+    Creases among mostly `blind` bins are ignored. Of two unseen walls the wider one keeps its
     distance.
     """
     azimuth = borders.azimuth
     joined, done = list(lines), {index for index, line in enumerate(lines) if line.seen}
     creases = np.nonzero(np.diff(path))[0].tolist()
     while creases:
-        # First those at a wall whose distance is known.
+        # Creases at a wall of known distance come first.
         crease = next((c for c in creases if path[c] in done or path[c + 1] in done), creases[0])
         creases.remove(crease)
         known, other = int(path[crease]), int(path[crease + 1])
