@@ -15,7 +15,7 @@ import numpy as np
 
 from plan2scene.errors import InputError
 
-_PART = 32_768  #: Pixels whose rays are worked out at a time
+_PART = 32_768  #: Number of pixels whose rays are computed at a time
 Rows = tuple[tuple[float, float, float], ...]
 
 
@@ -23,7 +23,7 @@ Rows = tuple[tuple[float, float, float], ...]
 class Camera:
     """A pinhole camera, or an orthographic one.
 
-    A photo's camera stands at the origin; where in the plan it is, is found later
+    A photo's camera stands at the origin; its place in the plan is found later
     (:class:`plan2scene.photos.locate.pose.Pose`).
     """
 
@@ -38,12 +38,12 @@ class Camera:
     #: photo's own (Manhattan) frame the world's x, z are the two horizontal vanishing directions,
     #: z the one nearest to the view direction.
     rotation: Rows
-    #: How the focal length of a photo is known: ``exif``, ``vanishing_points`` or ``config`` (the
-    #: constant field of view).
+    #: Source of a photo's focal length: ``exif``, ``vanishing_points`` or ``config`` (the constant
+    #: field of view).
     focal_source: str = "config"
-    #: 0..1: the probability that the focal length is within 15 %, times the support of the frame.
+    #: 0..1: probability that the focal length is within 15 %, times the frame's support by lines.
     confidence: float = 1.0
-    #: True when no frame was found in a photo: a level camera that looks straight at a wall.
+    #: True if no frame was found in the photo: then a level camera facing a wall is assumed.
     fallback: bool = False
     #: x, y, z in the world, metres.
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -92,10 +92,10 @@ class Camera:
         """Return unit view directions (..., 3) in world axes of pixels (..., 2) of a pinhole."""
         pixels = np.asarray(pixels)
         every, rays = pixels.reshape(-1, 2), np.empty((pixels[..., 0].size, 3))
-        # In parts that stay in the processor's cache: a photo's rays take a quarter of the time.
+        # In parts that fit the processor's cache: a photo's rays take a quarter of the time.
         for first in range(0, len(every), _PART):
             part = every[first : first + _PART]
-            # Column by column: numpy is ten times as slow along an axis of two or three.
+            # Column by column: numpy is ten times slower along an axis of length two or three.
             seen = np.ones((len(part), 3))
             for axis, middle in enumerate((self.cx, self.cy)):
                 np.subtract(part[:, axis], middle, out=seen[:, axis])
@@ -110,7 +110,7 @@ class Camera:
     def rays_at(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
         """Return the rays (n, 3) of the pixels in these rows and columns, (n,) each.
 
-        Those of the whole picture are worked out once and kept until another camera is asked for.
+        The rays of the whole picture are computed once and cached until another camera is used.
         """
         return _all_rays(self)[rows, columns]
 
@@ -121,10 +121,10 @@ class Camera:
 
     @classmethod
     def from_json(cls, value: Any, *, file: object = "") -> Camera:
-        """Return the camera of `to_json`'s values; InputError when they are none.
+        """Return the camera of `to_json`'s values; InputError if they describe no camera.
 
-        `focal_source`, `confidence` and `fallback` may be missing: a measured camera, as in
-        the truth of synthetic houses, needs none of them.
+        `focal_source`, `confidence` and `fallback` may be missing, as in the true cameras of
+        synthetic houses.
         """
         try:
             rotation = np.array(value["rotation"], dtype=np.float64).reshape(3, 3)

@@ -1,4 +1,4 @@
-"""Colour in numpy (no torch): the sRGB curve, L*a*b*, colour differences, what is clipped.
+"""Colour in numpy (no torch): the sRGB curve, L*a*b*, colour differences, clipped pixels.
 
 Images are ``(..., 3)`` sRGB, floats in [0, 1] or uint8.
 """
@@ -8,13 +8,14 @@ from __future__ import annotations
 import numpy as np
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  #: Luminance of linear R, G, B
-#: A photo's pixel is clipped when its greatest channel is at or below, or its least at or above
-#: this: a level stricter than where kept crops are compared, which 4 of the demo's 594 crops pass.
+#: A pixel of a photo is clipped if its greatest channel is at most the first level (black) or its
+#: least channel at least the second (burned out). The second is one below the default of
+#: :func:`clipped_share`, by which kept crops are compared: 4 of the demo's 594 crops would pass it.
 CLIPPED_LEVELS = (2, 249)
-#: The outside of houses, sRGB levels: light render. No photo of a room shows it.
+#: Colour of a house's outside (light render), sRGB levels; photos of rooms do not show it.
 RENDER = (222, 216, 206)
-#: Bare wood in L*a*b*: hue in degrees, from mahogany to pine, and least chroma. Chosen by looking
-#: at doors of two real flats (development) and the demo.
+#: Bare wood in L*a*b*: range of hue in degrees, from mahogany to pine, and smallest chroma. Chosen
+#: by looking at doors of two real flats (development) and the demo.
 WOOD_HUE, WOOD_CHROMA = (40.0, 88.0), 15.0
 
 
@@ -33,7 +34,7 @@ def as_uint8(image: np.ndarray) -> np.ndarray:
 def median_colour(image: np.ndarray) -> np.ndarray:
     """Return the per-channel median (3,) float32 of an (h, w, 3) RGB image.
 
-    The lower of the two middle values of an even count, as ``torch.median`` gives (paper
+    Of an even count it is the lower of the two middle values, as in ``torch.median`` (paper
     section 5.2: the median colour is part of the texture embedding).
     """
     pixels = np.sort(as_float(image).reshape(-1, 3), axis=0)
@@ -43,7 +44,7 @@ def median_colour(image: np.ndarray) -> np.ndarray:
 def clipped_share(image: np.ndarray, levels: tuple[int, int] = (2, 250)) -> float:
     """Return the share of pixels of an (h, w, 3) uint8 image that are burned out or black.
 
-    Those whose greatest channel is at or below, or whose least is at or above these `levels`.
+    Black: the greatest channel is at most `levels[0]`; burned out: the least, at least `levels[1]`.
     """
     low, high = levels
     red, green, blue = image[..., 0], image[..., 1], image[..., 2]
@@ -72,7 +73,7 @@ _LINEAR_OF_UINT8 = srgb_to_linear(np.arange(256) / 255.0)
 def log_axes(linear: np.ndarray) -> np.ndarray:
     """Return log brightness, red and blue (..., 3) of linear RGB (..., 3).
 
-    Brightness is the mean of the logs, red and blue are against green.
+    Brightness is the mean of the three logs; red and blue are log(red / green), log(blue / green).
     """
     log = np.log(np.maximum(linear, 1e-3))
     green = log[..., 1]
@@ -94,7 +95,7 @@ def rgb_to_lab(rgb: np.ndarray) -> np.ndarray:
 
 
 def is_wood(labs: np.ndarray) -> np.ndarray:
-    """Return which L*a*b* colours (..., 3) bare wood has and paint rarely, (...) bool."""
+    """Return which L*a*b* colours (..., 3) are those of bare wood, rare in paint, (...) bool."""
     hue = np.degrees(np.arctan2(labs[..., 2], labs[..., 1]))
     chroma = np.hypot(labs[..., 1], labs[..., 2])
     return np.asarray((chroma >= WOOD_CHROMA) & (hue >= WOOD_HUE[0]) & (hue <= WOOD_HUE[1]))

@@ -1,4 +1,4 @@
-"""The workflow's configuration: its schema, with what the library registers filled in."""
+"""The workflow's configuration: its schema, completed with the registered texture methods."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from plan2scene.errors import InputError
 from plan2scene.provenance import WORKFLOW
 from plan2scene.textures.methods import texture_methods
 
-MAX_VALUES = 10_000  #: Most values of a configuration, those of an alias counted wherever it stands
+MAX_VALUES = 10_000  #: Most values of a configuration; an alias counts at each use
 
 
 def config_schema() -> dict[str, Any]:
@@ -24,7 +24,7 @@ def config_schema() -> dict[str, Any]:
 
 
 def check_config(config: Mapping[str, Any]) -> None:
-    """Raise InputError for a configuration that the schema does not allow: its first fault."""
+    """Raise InputError that names one fault if the schema does not allow a configuration."""
     from jsonschema import Draft202012Validator
     from jsonschema.exceptions import best_match
 
@@ -35,7 +35,7 @@ def check_config(config: Mapping[str, Any]) -> None:
         if isinstance(value, float) and not math.isfinite(value):
             fault = str(value)
         elif isinstance(value, str) and not (value.isprintable() and set("{}").isdisjoint(value)):
-            # Snakemake takes what stands in braces for a wildcard.
+            # Snakemake would read text in braces as a wildcard.
             fault = f"{value!r}, with braces or control characters"
         if fault is not None:
             raise InputError("a configuration as config/ has it", f"{key}: {fault}")
@@ -59,12 +59,12 @@ def _values(config: Mapping[str, Any]) -> Iterator[tuple[str, object]]:
 
 
 def check_checkpoints(config: Mapping[str, Any]) -> None:
-    """Raise InputError, one line, where a checkpoint is needed and not named, or is no file."""
+    """Raise InputError if a needed checkpoint is not named, or a named one is not a file."""
     paths = {f"metrics.{name}": config["metrics"][name] for name in ("vgg16", "inception")}
     if config["weights"] == "official":
         names = ("texture", "propagation", "naivesynth")
         paths |= {f"official.{name}": config["official"][name] for name in names}
-        # A propagation network knows the embeddings of one texture model only.
+        # A propagation network fits the embeddings of one texture model only: both are needed.
         for name in ("official.texture", "official.propagation"):
             if paths[name] is None:
                 raise InputError(f"a path for {name}", "null", file="configuration")

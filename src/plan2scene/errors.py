@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-#: What the system refuses through no fault of the program, and what would be needed.
+#: System errors that are not the program's fault, and what the user has to provide.
 _SYSTEM = {
     errno.ENOSPC: "free space on the disk",
     errno.EDQUOT: "room within the disk quota",
@@ -28,11 +28,11 @@ _SYSTEM = {
 
 
 class InputError(ValueError):
-    """A fault in what the user gave: one line naming where, what was expected and what was found.
+    """A fault in the user's input: one line says where, what was expected and what was found.
 
-    `expected` and `found` are short phrases ("a photo in photos/", "no such file"), which stay
-    readable as attributes for a caller that knows more about where. Empty parts of where (`file`,
-    `house`, `room`) are left out of the message.
+    `expected` and `found` are short phrases ("a photo in photos/", "no such file"). They are also
+    attributes, so that a caller that knows the place better can raise the error again. `file`,
+    `house` and `room` say where; empty ones are left out of the message.
     """
 
     def __init__(
@@ -48,12 +48,12 @@ class InputError(ValueError):
         super().__init__(f"{head}expected {_one_line(expected)}, found {_one_line(found)}")
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Pickle the message as it is: a worker's error is read in its parent process."""
+        """Pickle the finished message: a worker's error is sent to its parent process."""
         return _as_raised, (type(self), str(self), self.expected, self.found)
 
 
 def _as_raised(kind: type[InputError], message: str, expected: str, found: str) -> InputError:
-    """Return an error made from its message and parts, as pickle needs it."""
+    """Rebuild an error from its message and parts, for pickle."""
     error = kind.__new__(kind, message)
     error.expected, error.found = expected, found
     return error
@@ -66,7 +66,7 @@ def _one_line(value: object) -> str:
 
 
 def system_fault(error: OSError) -> InputError | None:
-    """Return in one line what the operating system refused; None for a fault of the program."""
+    """Return a system error as an InputError; None if the program itself is at fault."""
     expected = _SYSTEM.get(error.errno or 0)
     if expected is None:
         return None
@@ -88,4 +88,4 @@ def one_line_errors() -> Iterator[None]:
 
 
 class WorkflowError(RuntimeError):
-    """The workflow of ``plan2scene run`` failed; its own lines have been printed by then."""
+    """The workflow of ``plan2scene run`` failed; its own messages are already printed."""

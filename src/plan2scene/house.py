@@ -1,8 +1,8 @@
 """The data model: a house as rooms, walls, openings and surfaces, in metres.
 
 Plan coordinates are (x, z) in metres of a right-handed frame with y up, as in scene.json
-(``docs/conventions.md``). The classes are frozen; readers validate once
-(:func:`plan2scene.plans.validate_house`), everything after trusts them.
+(``docs/conventions.md``). The classes are frozen. A plan is validated once, when it is read
+(:func:`plan2scene.plans.validate_house`); all later code trusts it.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ SURFACES = ("floor", "wall", "ceiling")
 #: Substances in the order of the substance head's logits.
 SUBSTANCES = ("wood", "plaster", "carpet", "tile")
 DEFAULT_HEIGHT = 2.8  #: Height in metres of a room whose plan gives none
-#: Where the heights of ceilings come from, if not from the plan: :attr:`House.heights`.
+#: Values of :attr:`House.heights`: ceilings have usual heights, or heights measured in photos.
 USUAL, FROM_PHOTOS = "usual", "photos"
 #: Kinds of opening. A passage is a door-sized or wider hole without a leaf.
 OPENING_KINDS = ("door", "window", "passage")
@@ -48,7 +48,7 @@ Ring = tuple[Point, ...]  #: closed polygon ring, first point not repeated
 class SurfaceKey(NamedTuple):
     """Names one texturable surface of a house.
 
-    All walls of a room share ``wall``, but for accent walls, ``wall.{wall id}``.
+    All walls of a room share ``wall``; only an accent wall has its own, ``wall.{wall id}``.
     """
 
     room_id: str
@@ -56,7 +56,7 @@ class SurfaceKey(NamedTuple):
 
     @property
     def kind(self) -> str:
-        """Return which of `SURFACES` it is."""
+        """Return its kind, one of `SURFACES`."""
         return self.surface.partition(".")[0]
 
     @property
@@ -66,7 +66,7 @@ class SurfaceKey(NamedTuple):
 
 
 def _plain(name: str) -> str:
-    """Return a name for comparisons: encoding, spaces and capitals do not count."""
+    """Return a name for comparisons: its Unicode form, spaces and case are normalised."""
     return " ".join(unicodedata.normalize("NFKC", name).casefold().split())
 
 
@@ -74,7 +74,7 @@ def _plain(name: str) -> str:
 class Opening:
     """A hole in a wall: metres along the wall from its first point, and metres above the floor.
 
-    `guessed`: nothing but the kind of room tells that it is there.
+    `guessed`: the plan does not show it; it was added because such rooms usually have one.
     """
 
     id: str
@@ -91,8 +91,8 @@ class Wall:
     """A straight wall of one room (or two that share it) from `start` to `end`.
 
     `room_ids[0]` is the room on the inner side (the first material of scene.json); a second id
-    is the room on the other side. The segment is the line of the rooms' polygons, `depth` the
-    wall's thickness in metres.
+    is the room on the other side. The segment lies on the edges of the rooms' polygons; `depth`
+    is the wall's thickness in metres.
     """
 
     id: str
@@ -112,7 +112,7 @@ class Wall:
         )
 
     def full(self, opening: Opening) -> bool:
-        """Return whether an opening is as high as the wall: nothing is above it."""
+        """Return whether an opening reaches the top of the wall."""
         return opening.top >= self.height - 1e-3
 
 
@@ -139,9 +139,9 @@ class Room:
 
     @property
     def title(self) -> str:
-        """Return what people call the room: its name, an id that is a word, else its types.
+        """Return a title of the room: its name, else its id if that is a word, else its types.
 
-        Programs number their ids; the editor calls a new room "room".
+        An id with a digit comes from a program; "room" is the editor's id of a new room.
         """
         word = re.fullmatch(r"(?!room$)[A-Za-z]{2}[^0-9]*", self.id)
         called = self.name or (self.id.replace("_", " ") if word else "")
@@ -183,7 +183,7 @@ class IconBox:
 
 @dataclass(frozen=True)
 class Level:
-    """A storey: its floor's y in metres, and the usual height of its ceilings above that."""
+    """A storey: the y of its floor and the usual height of its ceilings above it, metres."""
 
     id: str
     name: str
@@ -196,10 +196,10 @@ GROUND = Level("", "", 0.0, DEFAULT_HEIGHT)  #: The level of a plan without leve
 
 @dataclass(frozen=True)
 class Stairs:
-    """A straight flight from the floor of a level up to the next: a strip along its middle line.
+    """A straight flight of stairs from a level's floor up to the next: a strip around its axis.
 
-    `start` is the middle of its foot, `end` of its head, in metres as `width`. `room_ids` are the
-    room that it stands in and the one that it leads to; None where there is none.
+    `start` is the middle of its foot, `end` the middle of its head; both and `width` are in metres.
+    `room_ids` are the room that it stands in and the room that it leads to; None for no room.
     """
 
     id: str
@@ -219,13 +219,13 @@ class Stairs:
 class House:
     """A whole plan. `doors` holds each relation once (not both directions).
 
-    `levels` go from the lowest to the highest; none for a plan of one storey at y = 0. Heights
-    of walls and openings are above the floor of their rooms' level. `accents` are the walls that
-    have a texture of their own on one side. `door_colours` are the sRGB
-    colours of door leaves by the id of their opening, `trim_colours` those of skirting and frames
-    by room; that of the id "" holds for all others. `stair_colours` are those of steps by flight.
-    `name` is what people call the house. `heights` says where those of its ceilings come from:
-    empty for the plan, `USUAL` where that gives none, `FROM_PHOTOS` where photos then told them.
+    `levels` go from the lowest to the highest; there are none in a plan of one storey at y = 0.
+    Heights of walls and openings are above the floor of their rooms' level. `accents` are the
+    walls that have their own texture on one side. The colours are sRGB: `door_colours` of door
+    leaves, by the id of their opening, `trim_colours` of skirting and frames, by room, and
+    `stair_colours` of steps, by flight; the id "" stands for all other doors, or rooms. `name` is
+    what people call the house. `heights` is the source of its ceilings' heights: empty for the
+    plan, `USUAL` if the plan gives none, `FROM_PHOTOS` if they were then measured in photos.
     """
 
     id: str
@@ -258,7 +258,7 @@ class House:
 
     @property
     def labels(self) -> dict[str, str]:
-        """What tells each room from the others, by id: its name, its id, or both."""
+        """Return a label for each room id that no other room has: name, id, or both."""
         named = [_plain(room.name) for room in self.rooms]
         return {
             room.id: f"{room.name} ({room.id})"
@@ -268,7 +268,7 @@ class House:
         }
 
     def rooms_called(self, text: str) -> list[Room]:
-        """Return the room of an id, else those of that name."""
+        """Return the room whose id is `text`, else all rooms with that name."""
         by_id = [room for room in self.rooms if room.id == text]
         by_name = [room for room in self.rooms if room.name and _plain(room.name) == _plain(text)]
         return by_id or by_name
@@ -285,7 +285,7 @@ class House:
         return self.levels[number] if number < len(ids) else None
 
     def rise_of(self, stairs: Stairs) -> float:
-        """Return how far a flight climbs, metres: to the next level, else its room's ceiling."""
+        """Return a flight's height in metres: up to the next level, else to its room's ceiling."""
         above = self.level_above(stairs.level)
         if above is not None:
             elevations = {level.id: level.elevation for level in self.levels}
@@ -294,9 +294,9 @@ class House:
         return DEFAULT_HEIGHT if lower is None else self.room(lower).height
 
     def storeys(self) -> tuple[tuple[Level, House], ...]:
-        """Return each level, from the lowest, with the house of its rooms alone.
+        """Return each level, lowest first, with a house that has only the level's rooms.
 
-        That house has no levels: its floors are at 0. Nor has it stairs.
+        That house has no stairs and no levels, so its floors are at y = 0.
         """
         if not self.levels:
             return ((GROUND, self),)
@@ -327,12 +327,12 @@ class House:
         return tuple(key for room in self.rooms for key in room.surface_keys()) + accents
 
     def wall_key(self, room_id: str, wall_id: str) -> SurfaceKey:
-        """Return the surface of a wall as a room sees it."""
+        """Return the surface of a wall's side that faces a room."""
         own = SurfaceKey(room_id, f"wall.{wall_id}")
         return own if own in self.accents else SurfaceKey(room_id, "wall")
 
     def passages(self) -> tuple[tuple[str, str, float], ...]:
-        """Return the two rooms that each passage joins, and its width, metres."""
+        """Return for each passage the two rooms that it joins and its width in metres."""
         openings = (opening for wall in self.walls for opening in wall.openings)
         widths = {o.id: o.end - o.start for o in openings if o.kind == "passage"}
         return tuple(

@@ -1,4 +1,4 @@
-"""Pictures: which files of strangers are tried, how they are read, and how ours are written.
+"""Pictures: which image files are accepted, how they are read, and how our own are written.
 
 Pixels are (h, w, 3) uint8 sRGB; pictures of every mode become upright 8-bit sRGB. Pillow is
 imported by the functions that need it.
@@ -42,23 +42,23 @@ _UPRIGHT = {
 def to_srgb(image: Image.Image) -> np.ndarray:
     """Return a Pillow image of any mode as (h, w, 3) uint8 sRGB, upright, alpha over white.
 
-    The first frame or page; an embedded colour profile is honoured where it can be read, and so
-    is the EXIF orientation. Numbers beyond 8 bits are scaled by :func:`_grey_from_numbers`.
+    Only the first frame or page is read. A readable colour profile and the EXIF orientation are
+    applied. Pixels of more than 8 bits are scaled by :func:`_grey_from_numbers`.
     """
     image.load()
     return _srgb(image, _orientation(image))
 
 
 def to_small_srgb(image: Image.Image, side: int) -> np.ndarray:
-    """Return :func:`to_srgb` of an image reduced to a longer side between `side` and thrice it.
+    """Return :func:`to_srgb` of a large image, its longer side reduced to 1 to 4 times `side`.
 
-    JPEG is decoded at an eighth, a quarter or half of its size; others are averaged over squares
-    of pixels, scans in black and white or by a palette as greys and colours, before anything else
-    is made of them. ValueError for other modes.
+    A JPEG is decoded at an eighth, a quarter or half of its size. Then, to save memory, any image
+    is averaged over squares of pixels before other steps; for this, black-and-white and palette
+    images become grey or colour. ValueError for a mode that cannot be averaged.
     """
     longer = max(image.size)
     image.draft(None, (max(1, image.width * side // longer), max(1, image.height * side // longer)))
-    image.load()  # which turns a TIFF upright
+    image.load()  # this turns a TIFF upright
     orientation = _orientation(image)
     factor = max(1, max(image.size) // (2 * side))
     if factor == 1:
@@ -75,7 +75,7 @@ def to_small_srgb(image: Image.Image, side: int) -> np.ndarray:
 
 
 def check_reducible(image: Image.Image) -> None:
-    """Raise ValueError for an opened image of a mode that is not reduced while it is decoded."""
+    """Raise ValueError for an image whose mode :func:`to_small_srgb` cannot reduce."""
     if image.mode not in ("RGB", "RGBA", "L", "LA", "CMYK", "1", "P"):
         raise ValueError(f"mode {image.mode} of so many pixels")
 
@@ -97,7 +97,7 @@ def _srgb(image: Image.Image, orientation: int) -> np.ndarray:
         white = Image.new("RGB", colour.size, (255, 255, 255))
         white.paste(colour, mask=alpha)
         colour = white
-    # In bands: the whole picture at once would be held three times over.
+    # In bands: converting the whole picture at once would need its memory three times.
     pixels = np.empty((colour.height, colour.width, 3), np.uint8)
     for top in range(0, colour.height, _BAND_ROWS):
         band = (0, top, colour.width, min(top + _BAND_ROWS, colour.height))
@@ -131,8 +131,8 @@ def _turned(image: Image.Image, orientation: int) -> Image.Image:
 def _grey_from_numbers(values: np.ndarray) -> np.ndarray:
     """Return (h, w) uint8 grey of 16-bit, 32-bit or float numbers.
 
-    White is 65535 in 16-bit images. In the others it is the least of 1 (floats only), 255,
-    65535 that no pixel exceeds, else the largest value. What is no number is black.
+    White is 65535 in 16-bit images. In the others it is the smallest of 1 (floats only), 255 and
+    65535 that no pixel exceeds, else the largest pixel. NaN and infinity become black.
     """
     if values.dtype.kind in "ui" and values.dtype.itemsize == 2:
         steps = (np.arange(65536, dtype=np.uint32) * 255 + 32767) // 65535
@@ -146,7 +146,7 @@ def _grey_from_numbers(values: np.ndarray) -> np.ndarray:
 
 
 def _profiled(image: Image.Image, profile: object) -> Image.Image:
-    """Return an image as RGB; by its ICC profile when it has a sound one that is not sRGB."""
+    """Return an image as RGB, converted by its ICC profile if that is valid and not sRGB."""
     if image.mode not in ("RGB", "L", "CMYK"):
         image = image.convert("RGB")
     if isinstance(profile, bytes) and 128 <= len(profile) <= _MAX_ICC_BYTES:
@@ -157,7 +157,7 @@ def _profiled(image: Image.Image, profile: object) -> Image.Image:
 
 
 def _by_profile(image: Image.Image, profile: bytes) -> Image.Image | None:
-    """Return an image converted to sRGB; None when its profile is sRGB, damaged, or of others."""
+    """Return an image converted to sRGB; None if its profile is sRGB, damaged or unfit."""
     from PIL import ImageCms
 
     try:
@@ -171,23 +171,23 @@ def _by_profile(image: Image.Image, profile: bytes) -> Image.Image | None:
 
 
 _Decoded = TypeVar("_Decoded")
-#: Images with more pixels are refused before they are decoded (memory of a job stays bounded).
+#: Images with more pixels are refused before they are decoded, which bounds a job's memory.
 MAX_PIXELS = 50_000_000
-#: Photos may have this many: what is beyond `MAX_PIXELS` is reduced while it is decoded.
+#: Most pixels of a photo; one with more than `MAX_PIXELS` is reduced while it is decoded.
 MAX_PHOTO_PIXELS = 150_000_000
 MAX_IMAGE_BYTES = 200_000_000  #: Image files above this many bytes are refused before they are read
-#: What Pillow may try; JPEG includes those with a second picture that many phones write (MPO).
-#: Others are refused: Pillow would hand PostScript to an outside program.
+#: Formats that Pillow may read; JPEG includes MPO, a JPEG with a second picture, as many phones
+#: write it. Others are refused: for PostScript, Pillow would start another program.
 FORMATS = ("JPEG", "PNG", "GIF", "WEBP", "TIFF", "BMP", "PPM")
 FORMAT_NAMES = "JPEG, PNG, GIF, WebP, TIFF, BMP, PPM or HEIC"
-#: How names of pictures end, for who must tell before files are read (jobs are planned).
+#: File endings of pictures, to recognise a picture before it is read (when jobs are planned).
 SUFFIXES = (
     *(".png", ".jpg", ".jpeg", ".gif", ".webp", ".tif", ".tiff", ".bmp", ".ppm"),
     *(".heic", ".heif", ".hif", ".pdf"),
 )
-#: Brands of HEIF files whose pictures are HEVC, what phones write.
+#: Brands of HEIF files with HEVC pictures, as phones write them.
 _HEIF_BRANDS = (b"heic", b"heix", b"heim", b"heis", b"mif1", b"msf1", b"hevc", b"hevx")
-#: Pages of a document that are looked at, and pixels of a page's longer side.
+#: Most pages of a PDF that are examined, and pixels of the longer side of a rendered page.
 _MAX_PAGES, _PAGE_SIDE = 40, 3000
 METRIC_SIZE = 128  #: Side in pixels at which the paper compares textures
 
@@ -195,10 +195,10 @@ METRIC_SIZE = 128  #: Side in pixels at which the paper compares textures
 def read_image(path: str | os.PathLike[str], *, house_id: str = "") -> np.ndarray:
     """Return an image as (h, w, 3) uint8 sRGB, EXIF orientation applied, alpha over white.
 
-    Any mode of `FORMATS` is converted (palette, CMYK, grey, 16 bit, float), an embedded colour
-    profile is honoured; of an animation or a file of pages the first counts. Raises InputError
-    for what is no such image, is truncated, has over `MAX_PIXELS` pixels or `MAX_IMAGE_BYTES`
-    bytes; the limits are checked before decoding.
+    Every mode is converted (palette, CMYK, grey, 16 bit, float) and a colour profile is applied.
+    Of an animation or a file with pages, the first is read. Raises InputError for a file that is
+    not of `FORMATS` or HEIC, is truncated, or has more than `MAX_PIXELS` pixels or
+    `MAX_IMAGE_BYTES` bytes; these limits are checked before decoding.
     """
     return decode_image(path, to_srgb, house_id=house_id)
 
@@ -206,11 +206,11 @@ def read_image(path: str | os.PathLike[str], *, house_id: str = "") -> np.ndarra
 def read_reduced_image(
     path: str | os.PathLike[str], side: int, *, house_id: str = "", pages: bool = False
 ) -> tuple[np.ndarray, tuple[int, int]]:
-    """Return an image as :func:`read_image` does, and the (height, width) that its file has.
+    """Return an image as :func:`read_image` does, and the (height, width) of its file.
 
-    With `pages` a PDF is read too, as :func:`decode_image` says. One of over `MAX_PIXELS` pixels,
-    up to `MAX_PHOTO_PIXELS`, comes back smaller, its longer side not below `side`: memory stays
-    that of a picture of that size, or about 1 GB.
+    With `pages` a PDF is read too (:func:`decode_image`). An image with more than `MAX_PIXELS` and
+    up to `MAX_PHOTO_PIXELS` pixels is reduced, its longer side not below `side`: this takes the
+    memory of a picture of the reduced size, or about 1 GB.
     """
 
     def reduced(image: Image.Image) -> tuple[np.ndarray, tuple[int, int]]:
@@ -231,9 +231,9 @@ def decode_image(
     max_pixels: int = MAX_PIXELS,
     pages: bool = False,
 ) -> _Decoded:
-    """Return what `decode` makes of the opened Pillow image; one InputError for all that fails.
+    """Open an image with Pillow and return `decode` of it; any failure becomes an InputError.
 
-    With `pages` a PDF is an image, too: its page with the most drawn lines.
+    With `pages` a PDF is accepted too: its page with the most vector paths is rendered.
     """
     from PIL import Image, UnidentifiedImageError
 
@@ -260,16 +260,16 @@ def decode_image(
         raise fault(error.expected, error.found) from None
     except UnidentifiedImageError:
         raise fault(f"an image ({FORMAT_NAMES})", _kind_of(head)) from None
-    except Image.DecompressionBombError as error:  # Pillow's own limit, before the size is known
+    except Image.DecompressionBombError as error:  # Pillow's own limit; the size is not known yet
         count = re.search(r"\d+", str(error))
         found = count[0] if count else "more"
         raise fault(f"an image of at most {max_pixels} pixels", found) from None
-    except Exception as error:  # decoders raise many kinds on damaged data; all mean the same
+    except Exception as error:  # decoders raise many types of error on damaged data
         raise fault("an image that decodes", f"{type(error).__name__}: {error}") from None
 
 
 def _page_with_most_lines(source: Any) -> Image.Image:
-    """Return the page of a PDF that has the most paths, drawn; the first where none has any."""
+    """Render the page of a PDF that has the most vector paths; the first page if none has any."""
     pdfium = importlib.import_module("pypdfium2")
     with pdfium.PdfDocument(source) as document:
         counts = []
@@ -284,7 +284,7 @@ def _page_with_most_lines(source: Any) -> Image.Image:
 
 
 def _check_file(path: Path) -> None:
-    """Raise InputError for what is no file of a bearable size (folder, pipe, device, too big)."""
+    """Raise InputError if a path is no plain file (folder, pipe, device), empty or too large."""
     if not path.exists():
         raise InputError("an image", absent(path), file=path)
     if not path.is_file():
@@ -297,7 +297,7 @@ def _check_file(path: Path) -> None:
 
 
 def _check_size(width: int, height: int, most: int) -> None:
-    """Raise InputError for a declared size without pixels or with more than `most`."""
+    """Raise InputError for a declared size of no pixels or of more than `most`."""
     if width * height > most:
         raise InputError(f"an image of at most {most} pixels", f"{width}x{height}")
     if width < 1 or height < 1:
@@ -305,7 +305,7 @@ def _check_size(width: int, height: int, most: int) -> None:
 
 
 def _kind_of(head: bytes) -> str:
-    """Return in words what the first bytes of a file that is no readable image look like."""
+    """Say in words what an unreadable image file is, judged by its first bytes."""
     if head[4:8] == b"ftyp":
         brand = head[8:12].decode("ascii", "replace")
         return f"an AVIF picture, a damaged HEIC or a video ({brand}); convert it to JPEG"
@@ -335,7 +335,7 @@ def _kind_of(head: bytes) -> str:
 def _check_webp(head: bytes, most: int) -> None:
     """Raise InputError for a WebP whose first 30 bytes declare too large a canvas.
 
-    Pillow allocates the canvas when it opens the file, before it tells the size.
+    Pillow allocates the canvas when it opens the file, before the size can be checked.
     """
     if head[:4] != b"RIFF" or head[8:12] != b"WEBP" or len(head) < 30:
         return
@@ -365,7 +365,7 @@ def png_bytes(image: np.ndarray) -> bytes:
 
 
 def jpeg_bytes(image: np.ndarray, *, quality: int, full_colour: bool = False) -> bytes:
-    """Return a (h, w, 3) uint8 sRGB image as JPEG; `full_colour` keeps chroma at every pixel."""
+    """Return a (h, w, 3) uint8 sRGB image as JPEG; `full_colour`: without chroma subsampling."""
     from PIL import Image
 
     buffer = io.BytesIO()
@@ -393,7 +393,7 @@ def metric_image(image: np.ndarray) -> np.ndarray:
 def medoid_index(images: Sequence[np.ndarray]) -> int:
     """Return the index of the image closest (L2) to the mean RGB image (paper, reference crop).
 
-    Images are (h, w, 3) uint8 of one size; of equals the first. ValueError without any.
+    Images are (h, w, 3) uint8 of one size. The first of equally close ones; ValueError for none.
     """
     if not len(images):
         raise ValueError("the medoid of no images")

@@ -1,8 +1,8 @@
-"""Files: atomic writes, text and JSON from strangers, self-describing Parquet.
+"""Files: atomic writes, checked reading of text and JSON, Parquet with metadata.
 
-Temporary files lie beside their target. Their names hold the process that writes them, so that the
-next writer can remove what a killed process left. Large packages are imported by the functions that
-need them: a job without tables never loads pandas.
+Temporary files lie beside their target. Their names contain the id of the process that writes them,
+so that the next writer can remove what a killed process left. Large packages are imported by the
+functions that need them: a job without tables never loads pandas.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ from plan2scene.errors import InputError
 if TYPE_CHECKING:
     import pandas as pd
 
-#: What another machine left is taken for stale after this many seconds.
+#: Temporary files of another machine count as abandoned after this many seconds.
 _STALE_AFTER = 7 * 24 * 3600.0
 _NAME = re.compile(r"\.tmp_[0-9a-f]{8}_([0-9a-f]{8})_(\d+)_[0-9a-f]{8}(\..*)?")
 
 
 @cache
 def _machine() -> str:
-    """Return 8 hex digits that name this machine, its start and this process's pid namespace."""
+    """Return 8 hex digits that identify this machine, its boot and this process's pid namespace."""
     parts = [socket.gethostname()]
     boot, space = Path("/proc/sys/kernel/random/boot_id"), Path("/proc/self/ns/pid")
     if boot.is_file():
@@ -45,12 +45,12 @@ def _machine() -> str:
 
 
 def _start(target: Path) -> str:
-    """Return how the temporary names of a target begin; short, however long its own name is."""
+    """Return the start of a target's temporary names; it is short even if the target's is long."""
     return f".tmp_{hashlib.sha256(target.name.encode(errors='surrogateescape')).hexdigest()[:8]}_"
 
 
 def _prepared(path: str | os.PathLike[str]) -> tuple[Path, Path]:
-    """Return a path to write and an unused name beside it; what killed writers left is removed."""
+    """Return a path and an unused name beside it; remove what killed writers of the path left."""
     target = Path(path)
     target.parent.mkdir(parents=True, exist_ok=True)
     _remove_stale(target)
@@ -67,7 +67,7 @@ def _temporary_beside(target: Path) -> Path:
 def _remove_stale(target: Path) -> None:
     """Remove the temporary files and folders that killed processes left while writing `target`.
 
-    Those of a process that lives are kept, as are those of other machines for `_STALE_AFTER`.
+    Files of a running process are kept, and files of another machine for `_STALE_AFTER` seconds.
     """
     for path in target.parent.glob(f"{_start(target)}*"):
         match = _NAME.fullmatch(path.name)
@@ -76,7 +76,7 @@ def _remove_stale(target: Path) -> None:
 
 
 def _is_stale(path: Path, machine: str, pid: int) -> bool:
-    """Return whether no process can be writing a temporary path any more."""
+    """Return whether a temporary path is abandoned: no process can still be writing it."""
     if machine == _machine():
         try:
             os.kill(pid, 0)
@@ -105,9 +105,9 @@ def _remove(path: Path) -> None:
 def _replace_directory(new: Path, target: Path) -> None:
     """Put directory `new` in the place of `target`.
 
-    `target` is always whole or absent. It is absent between two renames: a process that is killed
-    there leaves no target, and both directories under temporary names, which the next write of
-    the same target removes.
+    `target` is always complete or absent. It is absent between two renames. A process that is
+    killed there leaves no target and both directories under temporary names; the next write of the
+    same target removes them.
     """
     if not os.path.lexists(target):
         new.replace(target)
@@ -124,9 +124,9 @@ def _replace_directory(new: Path, target: Path) -> None:
 
 #: Text inputs (plans, tables) above this many bytes are refused before they are read.
 MAX_TEXT_BYTES = 256_000_000
-#: Longest name of a file out of a table, and longest path, in bytes: both leave room for more.
+#: Most bytes of a file name and of a path in a table; longer names can still be built from them.
 MAX_NAME_BYTES, MAX_PATH_BYTES = 240, 1000
-#: Endings of photos that are tried for a name whose file is missing.
+#: File endings that :func:`absent` tries if a photo is missing.
 _PHOTO_ENDS = (".jpg", ".JPG", ".jpeg", ".JPEG", ".png", ".PNG")
 SCHEMA_VERSION = 1  #: Version of every Parquet schema in docs/conventions.md
 
@@ -134,7 +134,7 @@ SCHEMA_VERSION = 1  #: Version of every Parquet schema in docs/conventions.md
 def _flush(path: Path) -> None:
     """Wait until a file's contents, or a folder's names, are on the disk."""
     if os.name == "nt" and path.is_dir():
-        return  # there folders cannot be opened
+        return  # Windows cannot open folders
     handle = os.open(path, os.O_RDONLY)
     try:
         os.fsync(handle)
@@ -146,9 +146,9 @@ def _flush(path: Path) -> None:
 def atomic_path(path: str | os.PathLike[str], *, flush: bool = False) -> Iterator[Path]:
     """Yield a temporary path beside `path`; rename it to `path` when the block succeeds.
 
-    What a killed process left of the same file is removed first. The file has the mode that the
-    umask gives, whatever mode the writer gave the temporary one. With `flush` it is on the disk
-    before it takes its name, and so is the name: a power cut leaves the old file or the new one.
+    Temporary files that killed writers of the same file left are removed first. The file gets the
+    mode that the umask gives, whatever mode the block sets. With `flush` the contents and then the
+    name are forced to the disk, so that a power cut leaves either the old file or the new one.
     """
     target, temporary = _prepared(path)
     try:
@@ -169,8 +169,8 @@ def atomic_path(path: str | os.PathLike[str], *, flush: bool = False) -> Iterato
 def atomic_directory(path: str | os.PathLike[str], *, flush: bool = False) -> Iterator[Path]:
     """Yield an empty temporary directory; it replaces directory `path` when the block succeeds.
 
-    The old directory stays until the new one takes its place; for a moment neither is there
-    (:func:`_replace_directory`). `flush` is as for :func:`atomic_path`, of all files in it.
+    The old directory stays until the new one replaces it; for a moment neither exists
+    (:func:`_replace_directory`). `flush` forces all its files to the disk (:func:`atomic_path`).
     """
     target, temporary = _prepared(path)
     try:
@@ -209,12 +209,12 @@ def read_json(path: str | os.PathLike[str]) -> Any:
 
 
 def write_json(path: str | os.PathLike[str], value: Any, *, flush: bool = False) -> None:
-    """Write JSON as :func:`write_text`, indented, keys in the order given, a final newline."""
+    """Write JSON by :func:`write_text`: indented, keys in the given order, a final newline."""
     write_text(path, json.dumps(value, indent=1, allow_nan=False) + "\n", flush=flush)
 
 
 def write_text(path: str | os.PathLike[str], text: str, *, flush: bool = False) -> None:
-    """Write UTF-8 text as :func:`atomic_path`."""
+    """Write UTF-8 text by :func:`atomic_path`."""
     with atomic_path(path, flush=flush) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
@@ -229,10 +229,10 @@ def write_csv(
 def safe_join(
     folder: str | os.PathLike[str], name: str, *, file: object = "", house_id: str = ""
 ) -> Path:
-    """Return folder/name for a name out of a table.
+    """Return folder/name for a name from a table.
 
-    InputError when it would leave the folder, has characters that some system (or Snakemake, in
-    whose paths braces are wildcards) does not take, or is longer than a file's name can be.
+    InputError if the path would leave the folder, if the name is too long, or if it has characters
+    that some operating system or Snakemake (braces are wildcards in its paths) does not accept.
     """
     bad = (
         not name
@@ -252,7 +252,7 @@ def safe_join(
 
 
 def absent(path: Path) -> str:
-    """Return words for a missing file; they name a file that differs in its ending only."""
+    """Describe a missing file; if a file differs from it only in the ending, name that one."""
     ends = dict.fromkeys((path.suffix.lower(), path.suffix.upper(), *_PHOTO_ENDS))
     names = [path.stem + end for end in ends if path.stem + end != path.name]
     near = next((name for name in names if path.with_name(name).is_file()), None)
@@ -262,7 +262,7 @@ def absent(path: Path) -> str:
 def write_parquet(
     path: str | os.PathLike[str], frame: pd.DataFrame, metadata: Mapping[str, object]
 ) -> None:
-    """Write a table atomically as Parquet; `metadata` (with the schema version) goes into it."""
+    """Write a table atomically as Parquet, with `metadata` and the schema version in its header."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -277,7 +277,7 @@ def write_parquet(
 def read_parquet(path: str | os.PathLike[str]) -> tuple[pd.DataFrame, dict[str, Any]]:
     """Return a table and the metadata that :func:`write_parquet` gave it.
 
-    InputError for a file that is damaged: it says how it is made again.
+    InputError for a damaged file; the message says how to make the file again.
     """
     import pyarrow.parquet as pq
 
@@ -298,7 +298,7 @@ def read_parquet_metadata(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 @contextmanager
 def _whole(path: str | os.PathLike[str]) -> Iterator[None]:
-    """Turn what pyarrow says of a damaged file into an InputError."""
+    """Turn pyarrow's errors about a damaged file into an InputError."""
     import pyarrow as pa
 
     try:
@@ -311,9 +311,9 @@ def _whole(path: str | os.PathLike[str]) -> Iterator[None]:
 
 
 def how_to_make_anew(path: str | os.PathLike[str]) -> str:
-    """Return, in words, what makes a damaged file of a stage anew.
+    """Say in words how to make a damaged file of a stage again.
 
-    A stage that makes a whole folder (Snakemake's stamp lies in it) makes it anew as a whole.
+    If a stage made the file's whole folder (Snakemake's time stamp is in it), remove the folder.
     """
     folder = Path(path).parent
     rm = f"rm -r '{folder}'" if (folder / ".snakemake_timestamp").is_file() else f"rm '{path}'"

@@ -1,4 +1,4 @@
-"""A stage's items on several cores, each worked on in a process of its own."""
+"""Work on the items of a stage on several cores, in worker processes."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from threadpoolctl import threadpool_limits
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
-#: What this process works at, where it is a worker: the function and its items.
+#: In a worker process: the function that it calls, and all items.
 _function: Callable[[Any], Any] | None = None
 _items: Sequence[Any] = ()
 
@@ -25,13 +25,13 @@ _items: Sequence[Any] = ()
 def each(
     function: Callable[[Item], Result], items: Iterable[Item], workers: int
 ) -> Iterator[Result]:
-    """Yield what a function returns of each item, in order, `workers` items at a time.
+    """Yield a function's result for each item, in order; `workers` items are worked on at a time.
 
-    Many small numpy calls hold Python's lock, so threads hardly help them. The workers are forked
-    from this process and share its memory, so that nothing is sent to them; what they return, or
-    raise, is pickled. Numeric libraries use one thread meanwhile. Where forking is not safe
-    (systems but Linux, a process that has threads) the items are worked on in threads. The
-    results do not depend on `workers`.
+    Many small numpy calls hold Python's lock, so threads hardly speed them up. The workers are
+    forked from this process and share its memory, so no item is sent to them; their results and
+    errors are pickled. Meanwhile numeric libraries use one thread. Where forking is not safe (not
+    on Linux, or this process has threads), threads are used instead. The results do not depend on
+    `workers`.
     """
     given = list(items)
     count = min(workers, len(given))
@@ -39,7 +39,7 @@ def each(
         yield from map(function, given)
         return
     threads = cv2.getNumThreads()
-    cv2.setNumThreads(1)  # ends OpenCV's threads, which would be missing in the workers
+    cv2.setNumThreads(1)  # ends OpenCV's threads, which forked workers would miss
     try:
         with threadpool_limits(1):
             if sys.platform == "linux" and threading.active_count() == 1:
@@ -54,7 +54,7 @@ def each(
 def _forked(
     function: Callable[[Item], Result], items: Sequence[Item], count: int
 ) -> Iterator[Result]:
-    """Yield the results in order, of forked workers."""
+    """Yield the results of forked workers, in order."""
     fork = multiprocessing.get_context("fork")
     with ProcessPoolExecutor(count, fork, _begin, (function, items)) as pool:
         try:
@@ -64,10 +64,10 @@ def _forked(
 
 
 def _begin(function: Callable[[Any], Any], items: Sequence[Any]) -> None:
-    """Make this process a worker, which ends when its parent does, however that ends."""
+    """Make this process a worker; it ends when its parent ends, even if the parent is killed."""
     global _function, _items
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Control-C is the parent's to answer
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent handles Control-C
     _function, _items = function, items
 
 

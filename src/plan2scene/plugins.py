@@ -21,11 +21,11 @@ class Plugin(Protocol):
 
     @property
     def name(self) -> str:
-        """How command line, configuration and messages call it."""
+        """Its name in the command line, the configuration and messages."""
 
     @property
     def needs(self) -> str:
-        """What pip installs for it beside its own package's dependencies; empty for nothing."""
+        """What pip must install for it beyond its package's dependencies; empty for nothing."""
 
 
 P = TypeVar("P", bound=Plugin)
@@ -45,7 +45,7 @@ def plugins(group: str, kind: type[P]) -> dict[str, P]:
 def code_of(group: str, kind: type[P], *names: str) -> list[str]:
     """Return strings that change with the code of these plugins, for the params of a rule.
 
-    That is the hash of the module for ours, the distribution's name and version for others.
+    For our own plugins it is the hash of the module, for others their package's name and version.
     """
     entries = [_loaded(group, kind)[name][0] for name in names]
     return [
@@ -55,7 +55,7 @@ def code_of(group: str, kind: type[P], *names: str) -> list[str]:
 
 @contextmanager
 def installed(needs: str, house: str = "") -> Iterator[None]:
-    """Turn a missing package into an InputError: `needs` is what pip installs, if any."""
+    """Turn a missing package into an InputError that says to install `needs`, if there is any."""
     try:
         yield
     except ModuleNotFoundError as error:
@@ -66,7 +66,7 @@ def installed(needs: str, house: str = "") -> Iterator[None]:
 
 
 def pip_command(needs: str) -> str:
-    """Return the command that installs what is needed, our own extras from this clone."""
+    """Return the pip command that installs `needs`; our own extras are taken from this clone."""
     clone = needs.startswith("plan2scene[") and (WORKFLOW / "pyproject.toml").is_file()
     if not clone:
         return f"pip install '{needs}'"

@@ -20,7 +20,7 @@ PACKAGES = (PACKAGE, PACKAGE.parent / "plan2scene_app")
 
 
 def _workflow_folder() -> Path:
-    """Return the folder of the Snakefile: the clone's root, or where a wheel brings it along."""
+    """Return the folder of the Snakefile: the clone's root, or a folder of the installed wheel."""
     clone = PACKAGE.parents[1]
     return clone if (clone / "Snakefile").is_file() else PACKAGE / "_workflow"
 
@@ -54,8 +54,8 @@ def _digest(file: Path) -> bytes:
 def imports(file: Path) -> frozenset[str]:
     """Return the dotted names that a source file imports, inside functions too.
 
-    Of ``from a import b`` both ``a`` and ``a.b``, which may be a module. Relative imports are not
-    followed: the packages have none.
+    ``from a import b`` gives both ``a`` and ``a.b``, because ``b`` may be a module. Relative
+    imports are ignored: our packages have none.
     """
     found: set[str] = set()
     for statement in _statements(ast.parse(_source(file)).body):
@@ -68,7 +68,7 @@ def imports(file: Path) -> frozenset[str]:
 
 
 def _statements(body: Sequence[ast.AST]) -> Iterator[ast.AST]:
-    """Yield statements and those inside them; no expression holds an import."""
+    """Yield statements and the statements inside them; an expression cannot contain an import."""
     for statement in body:
         yield statement
         for part in ("body", "orelse", "finalbody", "handlers", "cases"):
@@ -77,7 +77,7 @@ def _statements(body: Sequence[ast.AST]) -> Iterator[ast.AST]:
 
 @cache
 def closure(module: str, packages: tuple[Path, ...] = PACKAGES) -> Mapping[str, Path]:
-    """Return `module` and all that it imports from `packages`, directly or not: name to file."""
+    """Return name to file for `module` and all that it imports from `packages`, directly or not."""
     seen: dict[str, Path] = {}
     queue = [module]
     while queue:
@@ -101,7 +101,7 @@ def _files_beside(folder: Path) -> tuple[Path, ...]:
     return tuple(path for path in folder.iterdir() if path.suffix not in ("", ".py"))
 
 
-#: Bytes of a file that is read whole for the hash of contents, and of a piece of a larger one.
+#: :func:`contents_hash` reads a file of at most so many bytes whole, else pieces of so many bytes.
 _WHOLE, _PIECE = 200_000, 4096
 
 
@@ -110,8 +110,8 @@ def code_hash(*modules: str, packages: tuple[Path, ...] = PACKAGES) -> str:
     """Return 16 hex digits over the sources of `modules` and all they import in `packages`.
 
     Modules have full names (``"plan2scene.textures.seams"``); ValueError for one that is not there.
-    `packages` are folders, whose name is their import name. Data files that lie beside a module and
-    stand in it by name count as source.
+    `packages` are folders, whose name is their import name. A data file beside a module counts as
+    source if the module's source names it.
     """
     files: set[Path] = set()
     for module in modules:
@@ -132,15 +132,15 @@ def code_hash(*modules: str, packages: tuple[Path, ...] = PACKAGES) -> str:
 
 
 def file_hash(path: str | Path) -> str:
-    """Return 16 hex digits of a file's SHA-256 (names the weights that made a table)."""
+    """Return 16 hex digits of a file's SHA-256 (tables record with it which weights made them)."""
     return hashlib.sha256(Path(path).read_bytes()).hexdigest()[:16]
 
 
 def contents_hash(paths: Iterable[str | Path]) -> str:
-    """Return 16 hex digits that change with the contents of files, whatever their times.
+    """Return 16 hex digits that depend on the contents of files, not on their time stamps.
 
-    Folders, and files that are not there, are left out. Of a file above `_WHOLE` bytes its size
-    and three pieces are taken, so that those of thousands of houses cost seconds.
+    Folders and missing files are skipped. Of a file above `_WHOLE` bytes only the size and three
+    pieces are read, so that the files of thousands of houses take seconds.
     """
     digest = hashlib.sha256()
     for path in paths:

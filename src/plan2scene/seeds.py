@@ -1,4 +1,4 @@
-"""Seeds: every random choice derives from the global seed and the name of the thing it is for."""
+"""Seeds: every random choice depends on the global seed and the names of what it is for."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 def derive_seed(seed: int, *names: object) -> int:
     """Return a 63-bit seed that depends on `seed` and `names` alone.
 
-    The same on every platform and Python version (SHA-256, no ``hash()``), so the same
+    It is the same on every platform and Python version (SHA-256, no ``hash()``), so the same
     (seed, house, room, surface) gives the same bytes.
     """
     text = "\x1f".join([str(int(seed)), *(str(name) for name in names)])

@@ -1,7 +1,7 @@
-"""JSON that stages leave for one another: its forms, and the one way to read it.
+"""JSON files that stages write for other stages: their schemas, and the function that reads them.
 
-What another program, or half a copy, made of such a file is told in one line with the command
-that makes it anew; no stage meets a value that it does not expect.
+A file that is incomplete or was changed by another program is an error of one line, with the
+command that makes the file again. So no stage gets a value that it does not expect.
 """
 
 from __future__ import annotations
@@ -17,18 +17,18 @@ from plan2scene.io import how_to_make_anew, read_text
 
 
 def _object(form: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the schema of an object from names to values of one form."""
+    """Return the schema of an object whose values all have one form."""
     return {"type": "object", "additionalProperties": form}
 
 
 def _list(form: Mapping[str, Any], length: int | None = None) -> dict[str, Any]:
-    """Return the form of a list of values of one form, of a given length."""
+    """Return the form of a list whose values all have one form, with a given length if any."""
     size = {} if length is None else {"minItems": length, "maxItems": length}
     return {"type": "array", "items": form, **size}
 
 
 def _record(required: Mapping[str, Any], **optional: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the form of an object with keys of its own; others may stand beside them."""
+    """Return the form of an object with required and optional keys; other keys are allowed."""
     properties = {**required, **optional}
     return {"type": "object", "required": list(required), "properties": properties}
 
@@ -36,7 +36,7 @@ def _record(required: Mapping[str, Any], **optional: Mapping[str, Any]) -> dict[
 _TEXT = {"type": "string"}
 _NUMBER = {"type": "number", "minimum": -1e6, "maximum": 1e6}
 _POSITIVE = {"type": "number", "exclusiveMinimum": 0, "maximum": 1e6}
-#: A room of the plan.
+#: Id of a room of the plan.
 _ROOM = {"$ref": "#/$defs/room"}
 _SHARE = {"type": "number", "minimum": 0, "maximum": 1}
 _SIDE = {"type": "integer", "minimum": 1, "maximum": 100_000}
@@ -71,7 +71,7 @@ _MAP = _record(
 )
 _SURFACES = {"propertyNames": {"pattern": "/"}}
 
-#: The form (JSON Schema) of each kind of file; docs/conventions.md has what they mean.
+#: The form (JSON Schema) of each kind of file; docs/conventions.md explains them.
 FORMS: dict[str, dict[str, Any]] = {
     "cameras": _object(_CAMERA),
     "kinds": _record({"source": _TEXT, "photos": _object(_list(_SHARE, 6))}),
@@ -94,9 +94,9 @@ FORMS: dict[str, dict[str, Any]] = {
 
 
 def read_stage_json(path: str | os.PathLike[str], form: str, *, house: House | None = None) -> Any:
-    """Return what a stage left; InputError for a file that is not of its form (:data:`FORMS`).
+    """Return a stage's JSON file; InputError if it does not have its form (:data:`FORMS`).
 
-    With `house` the rooms that it names are checked too.
+    With `house`, the rooms that the file names must be rooms of the house.
     """
     from jsonschema import Draft202012Validator
     from jsonschema.exceptions import best_match

@@ -22,9 +22,9 @@ _Network = TypeVar("_Network", bound="nn.Module")
 #: Folder of the embedded weights.
 MODELS = WORKFLOW / "resources" / "models"
 _FORMAT = "plan2scene"
-#: Largest number, and length of a list or text, in the architecture of a file's header.
+#: Largest number, and largest length of a list or text, in the architecture in a file's header.
 _MAX_SIZE = 4096
-#: What building a network from a stranger's header, or filling it, may raise.
+#: Errors that a wrong header or wrong tensors may cause while a network is built or filled.
 _UNFIT = (RuntimeError, TypeError, ValueError, LookupError, ArithmeticError, AttributeError)
 
 
@@ -35,9 +35,9 @@ def save_model_file(
     *,
     half: bool = True,
 ) -> None:
-    """Write a state dict atomically; floating tensors as float16 when `half`.
+    """Write a state dict atomically; floating-point tensors as float16 if `half`.
 
-    `architecture` is what the model's constructor needs; it must be JSON.
+    `architecture` has the arguments of the model's constructor; it must be JSON.
     """
     from safetensors.torch import save_file
 
@@ -55,7 +55,7 @@ def save_model_file(
 
 
 def _sort_header(path: Path) -> None:
-    """Write the file's JSON header with sorted keys: the library's order differs run by run."""
+    """Sort the keys of the file's JSON header: the library's order differs from run to run."""
     data = path.read_bytes()
     size = int.from_bytes(data[:8], "little")
     text = json.dumps(json.loads(data[8 : 8 + size]), sort_keys=True, separators=(",", ":"))
@@ -67,7 +67,7 @@ def _sort_header(path: Path) -> None:
 def load_model_file(path: str | Path) -> tuple[dict[str, torch.Tensor], dict[str, Any]]:
     """Return (state dict with float32 tensors, architecture) of a file of :func:`save_model_file`.
 
-    Raises InputError for a file that is missing, damaged or of another program.
+    Raises InputError if the file is missing, damaged or from another program.
     """
     state, architecture = _read(path, "pt", None)
     return {k: v.float() if v.is_floating_point() else v for k, v in state.items()}, architecture
@@ -76,7 +76,7 @@ def load_model_file(path: str | Path) -> tuple[dict[str, torch.Tensor], dict[str
 def read_model_arrays(
     path: str | Path, names: Collection[str] | None = None
 ) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
-    """Read a file as :func:`load_model_file` without torch: arrays, only `names` if given."""
+    """Read a file like :func:`load_model_file`, but as NumPy arrays; only `names` if given."""
     state, architecture = _read(path, "np", names)
     floats = (np.float16, np.float64)
     return {
@@ -116,7 +116,7 @@ def _check_tensors(state: Mapping[str, Any], path: str | Path) -> None:
 
 
 def _architecture(text: str, path: str | Path) -> dict[str, Any]:
-    """Return the architecture of a header; InputError for what no network here can have."""
+    """Return the architecture in a header; InputError if no network of ours can have it."""
     fault = "an architecture with names and small numbers"
     try:
         architecture = json.loads(text)
@@ -128,7 +128,7 @@ def _architecture(text: str, path: str | Path) -> dict[str, Any]:
 
 
 def _is_small(value: object) -> bool:
-    """Return whether a value of JSON may size a network."""
+    """Return whether a JSON value is small enough for the architecture of a network."""
     if isinstance(value, list):
         return len(value) <= _MAX_SIZE and all(_is_small(item) for item in value)
     if isinstance(value, str):
@@ -138,7 +138,7 @@ def _is_small(value: object) -> bool:
 
 @contextmanager
 def fitting(network: str, path: str | Path) -> Iterator[None]:
-    """Turn any error that a stranger's header or tensors cause within the block into InputError."""
+    """Turn errors that a wrong header or wrong tensors cause in the block into an InputError."""
     try:
         yield
     except InputError:
@@ -153,7 +153,7 @@ def filled(
 ) -> _Network:
     """Return the network that `build` makes, with the tensors of a file, in evaluation mode.
 
-    Names and shapes are compared before memory is taken. InputError where they do not fit.
+    Names and shapes are compared before memory is allocated; InputError if they do not fit.
     """
     import torch
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 #: Networks that have released checkpoints.
 NETWORKS = ("texture", "naivesynth", "propagation", "vgg16", "inception")
-#: End of the names of counters of training, which no network here has.
+#: End of the names of batch normalisation's training counters, which are left out.
 _COUNTER = "num_batches_tracked"
 #: What the authors' files call our substances.
 _SYNONYMS = {"painted": "plaster", "plastered": "plaster", "smalltile": "tile"}
@@ -37,13 +37,13 @@ def convert_checkpoint(
 ) -> None:
     """Write the weights of a released checkpoint as safetensors (float32) with our header.
 
-    `network` is one of :data:`NETWORKS`: ``texture`` is version 1 or 2, which have one structure,
-    ``vgg16`` the substance classifier, ``inception`` InceptionV3's weights as torchvision or
-    pytorch-fid name them. `checkpoint` is a file of ``torch.save``; nothing in it is run.
+    `network` is one of :data:`NETWORKS`: ``texture`` is version 1 or 2, which have the same
+    structure, ``vgg16`` the substance classifier, ``inception`` InceptionV3 with tensor names of
+    torchvision or pytorch-fid. `checkpoint` is a file of ``torch.save``; nothing in it is run.
     `substances` is the order of its substance classes; rows are sorted to ``house.SUBSTANCES``.
-    `means`, which no checkpoint has, are kept beside a ``propagation`` network for NaiveSynth.
+    `means` are stored with a ``propagation`` network, for NaiveSynth; no checkpoint has them.
 
-    Raises InputError for a file that carries code, misses a tensor, or has one of another shape.
+    Raises InputError if the file contains code, lacks a tensor, or has one of another shape.
     """
     if network not in NETWORKS:
         raise InputError(f"a network ({', '.join(NETWORKS)})", repr(network))
@@ -63,7 +63,7 @@ def convert_checkpoint(
 
 
 def _class_order(substances: Sequence[str]) -> list[int]:
-    """Return where each of our substances stands in the checkpoint's order."""
+    """Return the index of each of our substances in the checkpoint's order."""
     names = [_SYNONYMS.get(name, name) for name in substances]
     if sorted(names) != sorted(SUBSTANCES):
         expected = f"the substances {', '.join(SUBSTANCES)} in some order"
@@ -79,10 +79,10 @@ def _shapes(module: nn.Module) -> dict[str, tuple[int, ...]]:
 def _structure(
     network: str, state: dict[str, torch.Tensor], checkpoint: str | Path
 ) -> tuple[nn.Module, dict[str, object], tuple[str, ...], str]:
-    """Return a network, its header, tensors it lacks on purpose, and its layer of substances.
+    """Return a network, its header, prefixes of tensors that it leaves out, its substance layer.
 
-    Texture models have the reference's noise; InceptionV3 has no classes, whose number says which
-    variant it is.
+    Texture models use the reference's noise (not periodic). InceptionV3 leaves out its class layer;
+    the number of classes in the checkpoint gives the variant.
     """
     from plan2scene.metrics.inception import VARIANTS, InceptionV3
     from plan2scene.metrics.vgg import VggClassifier

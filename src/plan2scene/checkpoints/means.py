@@ -1,4 +1,4 @@
-"""Means over training surfaces: what a released propagation checkpoint comes without."""
+"""Means over training surfaces, which a released propagation checkpoint does not contain."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 def training_surfaces(
     crops: str | Path, texture_model: str | Path, naive_model: str | Path, *, house: str, seed: int
 ) -> pd.DataFrame:
-    """Return the surfaces that a house's photos show, none hidden, as ``surfaces.parquet``.
+    """Return the table ``surfaces.parquet`` of a house, with no photo hidden.
 
-    They are embedded here: the rule that writes that file needs the means already.
+    The crops are embedded here, and the files of both steps are temporary.
     """
     with TemporaryDirectory() as name:
         embeddings, surfaces = Path(name) / "embeddings.parquet", Path(name) / "surfaces.parquet"

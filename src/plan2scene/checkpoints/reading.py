@@ -23,8 +23,8 @@ from plan2scene.errors import InputError
 #: Where a checkpoint keeps its tensors: the authors' own files, then those of PyTorch Lightning.
 STATE_KEYS = ("model_state_dict", "state_dict")
 _SCALAR, _ARRAY = np.float64(0).__reduce__()[0], np.zeros(1).__reduce__()[0]
-#: Losses kept beside the weights: numbers and arrays of NumPy, under both names of its module,
-#: and dicts with a default. All of them hold data only.
+#: Types of losses that are stored beside the weights: numbers and arrays of NumPy, under both names
+#: of its module, and dicts with a default. All of them hold data only.
 _HARMLESS: list[Any] = [
     np.dtype,
     np.dtypes.Float32DType,
@@ -36,7 +36,7 @@ _HARMLESS: list[Any] = [
     collections.defaultdict,
     list,
 ]
-#: What the restricted reader trips over in a file that is no pickle, or half of one.
+#: Errors that the restricted reader raises for a file that is no pickle, or a truncated one.
 _DAMAGED = (
     RuntimeError,
     ValueError,
@@ -55,13 +55,13 @@ _GLOBAL = re.compile(r"GLOBAL ([\w.]+)|(?:class|function|global)\w* ([\w]+\.[\w.
 def read_checkpoint(path: str | Path) -> Mapping[str, Any]:
     """Return the dict in a checkpoint, tensors on the CPU.
 
-    Raises InputError, one line, for a file that names code, a damaged one, or one of another kind.
+    Raises InputError if the file names code, is damaged or of another kind.
     """
     if not Path(path).is_file():
         raise InputError("a checkpoint", "no such file", file=path)
     try:
         with torch.serialization.safe_globals(_HARMLESS), warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of odd pickles; what they lead to is told below
+            warnings.simplefilter("ignore")  # about odd pickles; errors are reported below
             document = torch.load(path, map_location="cpu", weights_only=True)
     except pickle.UnpicklingError as error:
         raise _refusal(path, str(error)) from None
@@ -105,9 +105,9 @@ def fitted_state(
     """Return the tensors of :func:`state_dict_of` under our names, float32.
 
     All names of `state` may share a prefix (``module.``, ``model.`` ...). `expected` is the shape
-    of every tensor of our network by name; `dropped` are the beginnings of names that it lacks on
-    purpose. Raises InputError naming the first tensor that is missing, unknown, of another shape
-    or not finite, and how many there are.
+    of every tensor of our network by name; `dropped` are prefixes of names that our network leaves
+    out on purpose. Raises InputError for missing or unknown tensors (with their number), and for
+    one of another shape or not finite.
     """
     prefix = _common_prefix(state, expected)
     named = {name.removeprefix(prefix): value for name, value in state.items()}
@@ -127,7 +127,7 @@ def fitted_state(
 
 
 def _plain(tensor: torch.Tensor, name: str, path: str | Path) -> torch.Tensor:
-    """Return a tensor as float32; InputError for one that is no plain array of finite numbers."""
+    """Return a tensor as float32; InputError if it is not a dense array of finite real numbers."""
     odd = tensor.is_complex() or tensor.is_quantized or tensor.is_meta
     if odd or tensor.layout is not torch.strided:
         kind = "meta" if tensor.is_meta else tensor.dtype
@@ -140,7 +140,7 @@ def _plain(tensor: torch.Tensor, name: str, path: str | Path) -> torch.Tensor:
 
 
 def _common_prefix(state: Mapping[str, object], expected: Mapping[str, object]) -> str:
-    """Return what all names of a network begin with in a checkpoint; "" when they fit as is."""
+    """Return the prefix of all names of a network in a checkpoint; "" if there is none."""
     probe = max(expected, key=len)
     if probe in state:
         return ""

@@ -1,5 +1,5 @@
-"""Data sets: the house table, photo assignments, hidden photos, and what is wrong with them.
+"""Data sets: the house table, photo assignments, hidden photos, and their checks.
 
-The workflow reads the table at every start: each module is imported by its own name, so that this
-costs no reader of plans.
+The workflow reads the house table at every start. Import each module by its own name, so that this
+does not also import the readers of plans.
 """

@@ -18,9 +18,9 @@ MAX_ROWS = 10_000  #: Largest number of rows of one house's photo table
 
 
 class PhotoAssignment(NamedTuple):
-    """A photo that shows a room; a photo may show several."""
+    """A row of a photo table: a room and a photo that shows it; a photo may show several rooms."""
 
-    #: Empty where the table does not say: the locate stage looks for it.
+    #: Empty if the table gives no room: the locate stage then looks for it.
     room_id: str
     photo: str
 
@@ -31,14 +31,15 @@ def read_assignment(
     """Return the rows of a photo table in file order, repeated rows once.
 
     `path` is a CSV with the columns ``room_id`` (or ``roomId``) and ``photo``; others are ignored.
-    A room may be left empty, and so may its column: such a room is looked for, as is one that the
-    column ``guess`` repeats (``photos.csv`` of a run). None, an empty file or a table without rows
-    give no rows; :func:`check_assignment` lists that as a warning. With a `house` each room must be
-    one of its rooms, by id or by name; `house_id` names it in messages where it is not given. With
-    `traced` the table may be older than the plan: a room that the plan lacks counts as left empty.
+    A room may be empty, or its whole column missing: the locate stage looks for such rooms. A room
+    that equals the column ``guess`` counts as empty, too (``photos.csv`` of a run). None, an empty
+    file or a table without rows give no rows; :func:`check_assignment` warns of that. With a
+    `house` each room must be one of its rooms, by id or by name; without it, `house_id` names the
+    house in messages. With `traced` the table may be older than the plan: a room that the plan
+    lacks counts as empty.
 
     Raises InputError for a missing column, a row without a photo, a room that the plan lacks, a
-    photo name with ``..`` or a leading ``/``, or two photos that share a stem (masks are
+    photo name with ``..`` or a leading ``/``, or two photos with the same stem (masks are
     ``{stem}.png``).
     """
     name = house.id if house is not None else house_id
@@ -75,7 +76,7 @@ def read_assignment(
 
 
 def read_rows(path: str | Path, *, house_id: str = "") -> list[PhotoAssignment]:
-    """Return the rows of a photo table without judging rooms and names."""
+    """Return the rows of a photo table without checking its rooms and photo names."""
     fault = partial(InputError, file=path, house=house_id)
     if not Path(path).is_file():
         raise fault("a photo table", "no such file")
@@ -113,11 +114,11 @@ def read_rows(path: str | Path, *, house_id: str = "") -> list[PhotoAssignment]:
 
 
 def lacks_rooms(path: str | Path) -> bool:
-    """Return whether a photo table leaves a room out; not of one that is no table."""
+    """Return whether a photo table has a row without a room; False if it cannot be read."""
     try:
         return any(not row.room_id for row in read_rows(path))
     except InputError:
-        return False  # the job that reads it tells
+        return False  # the job that reads it reports the fault
 
 
 def check_assignment(
@@ -127,7 +128,7 @@ def check_assignment(
     *,
     file: str | Path = "",
 ) -> list[str]:
-    """Return a line for each thing that the house goes on without: no rows, a missing photo.
+    """Return a warning for each fault that does not stop the house: no rows, a missing photo.
 
     `assignments` are those of :func:`read_assignment` for this house.
     """
@@ -146,9 +147,9 @@ def check_assignment(
 def rooms_of_photos(
     path: str | Path | None, house: House, *, traced: bool = False
 ) -> dict[str, list[str]]:
-    """Return photo -> rooms that it shows, in the order of a photo table (`read_assignment`).
+    """Return the rooms that each photo shows, in the order of a photo table (`read_assignment`).
 
-    No rooms where the table does not say.
+    A photo's list is empty if the table gives no room for it.
     """
     rooms: dict[str, list[str]] = {}
     for row in read_assignment(path, house, traced=traced):

@@ -1,4 +1,4 @@
-"""Photos that count as not taken at a drop fraction: the data set's list, or a seeded draw."""
+"""Photos that are hidden at a drop fraction: from the data set's list, or a seeded random draw."""
 
 from __future__ import annotations
 
@@ -21,10 +21,11 @@ def hidden_photos(
 ) -> list[str]:
     """Return those of a house's `photos` that are hidden at fraction `drop` (``"0.3"``), sorted.
 
-    `listed` is the data set's ``unobserved_photos.json``: fraction to photos of all houses (sets
-    are faster than lists). Between two of its fractions (Rent3D++ goes in steps of 0.2) a share of
-    what the larger one hides beyond the smaller is hidden, in a seeded order: none at 0.0, all
-    photos at 1.0. Without it that share of the house's photos is. What 0.2 hides, 0.4 hides too.
+    `listed` is the data set's ``unobserved_photos.json``, from fraction to hidden photos of all
+    houses (sets are faster than lists). Between two of its fractions (Rent3D++ has steps of 0.2),
+    the photos of the smaller one are hidden, and a share of those that the larger one adds, in a
+    seeded order. Fraction 0.0 hides no photo, 1.0 all. Without `listed`, that share of all the
+    house's photos is hidden. Photos hidden at 0.2 are also hidden at 0.4.
     """
     known = {1.0: set(photos)}
     known |= {float(name): known[1.0].intersection(of) for name, of in (listed or {}).items()}

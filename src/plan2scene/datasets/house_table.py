@@ -1,7 +1,7 @@
-"""The house table, which decides the job graph: ``houses.tsv``, or worked out from the data lists.
+"""The house table, which decides the job graph: ``houses.tsv``, or made from the data lists.
 
-Nothing of a house itself is opened here but its photo table, and that only where the house table
-is worked out; a fault of one house is its own jobs' to report.
+Of a house's own files only its photo table is opened here, and only if the house table is made from
+the data lists. Faults of one house are reported by its own jobs.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
 
 
 class TableRow(NamedTuple):
-    """A house of the table: paths relative to the data set's root, names of photos."""
+    """A house of the table: paths, relative to the data set's root, and names of photos."""
 
     house: str
     split: str
@@ -39,12 +39,12 @@ class TableRow(NamedTuple):
 class HouseTable:
     """The houses of a data set."""
 
-    file: Path  #: the table, or the folder of the data lists that it is worked out from
+    file: Path  #: the table's file, or the folder of the data lists
     houses: Mapping[str, TableRow]  #: rows by house, in their order
-    warnings: tuple[str, ...] = ()  #: a line for each thing that a table worked out goes on without
+    warnings: tuple[str, ...] = ()  #: of a table made from data lists: faults of houses
 
     def __getitem__(self, house: str) -> TableRow:
-        """Return the row of a house; InputError with the nearest names for one that is not here."""
+        """Return the row of a house; InputError with the most similar names if there is none."""
         if house not in self.houses:
             near = get_close_matches(house, self.houses)
             found = f"no such house, but {', '.join(near)}" if near else "no such house"
@@ -54,9 +54,9 @@ class HouseTable:
     def of_splits(
         self, splits: Sequence[str], houses: Sequence[str] | None = None
     ) -> dict[str, TableRow]:
-        """Return the rows of some splits, and only of some `houses` of them where they are named.
+        """Return the rows of some splits; if `houses` are given, only the rows of these.
 
-        No row, and a house that is not among them, is an InputError.
+        InputError if there is no row, or one of `houses` is not in the splits.
         """
         chosen = {name: row for name, row in self.houses.items() if row.split in splits}
         expected = f"a house of split {', '.join(splits)}"
@@ -73,10 +73,10 @@ def read_table(path: Path) -> HouseTable:
     """Return the houses of ``houses.tsv``.
 
     Columns ``house, split, plan, assignment, photos`` (docs/conventions.md); `assignment` and
-    `photos` may be empty. Photo names are not judged here: a bad one is its own house's fault.
+    `photos` may be empty. Photo names are not checked here: the house's jobs report a bad one.
 
-    Raises InputError for missing or unknown columns, no rows, a house twice, an unknown split, a
-    house name that can't name a folder, a plan or assignment path that leaves the data set.
+    Raises InputError for missing or unknown columns, no rows, a repeated house, an unknown split, a
+    house name that cannot name a folder, a plan or assignment path that leaves the data set.
     """
     lines = [line for line in read_text(path).splitlines() if line.strip()]
     header = tuple(lines[0].split("\t")) if lines else ()
@@ -101,7 +101,7 @@ def read_table(path: Path) -> HouseTable:
 
 
 def _check_row(row: TableRow, others: Collection[str], path: Path) -> None:
-    """Raise InputError for a row that can't become jobs, or of a house that `others` has."""
+    """Raise InputError if a row cannot become jobs, or its house is already in `others`."""
     name = row.house
     if len(name) > MAX_ID_LENGTH or not _NAME.fullmatch(name):
         expected = f"a house name of letters, digits, '_', '-', '.', at most {MAX_ID_LENGTH}"
@@ -116,13 +116,13 @@ def _check_row(row: TableRow, others: Collection[str], path: Path) -> None:
 
 
 def table_of_lists(root: str | Path, *, architecture: str = "bare") -> HouseTable:
-    """Return the house table of a data set in the Rent3D++ layout, by its data lists.
+    """Return the house table of a data set in the Rent3D++ layout, made from its data lists.
 
     `root` is as for :func:`~plan2scene.datasets.layout.find_layout`. `architecture`, ``bare`` or
-    ``full``, says which plan is taken where a house has both.
+    ``full``, says which plan is taken if a house has both.
 
     Raises InputError for no data lists, no houses in them, or a house in two of them. A missing
-    plan or a bad photo table is a warning here and the house's own jobs' to report.
+    plan or a bad photo table is only a warning here; the house's own jobs report it.
     """
     layout = require_data_set(root)
     warnings: list[str] = []
@@ -169,9 +169,9 @@ def _row(
 
 
 def table_of(dataset: Mapping[str, Any]) -> HouseTable:
-    """Return the house table of a data set, worked out from the data lists where none is named.
+    """Return the house table of a data set; if none is named, make it from the data lists.
 
-    `dataset` is that section of the configuration. InputError where there is no data set under
+    `dataset` is the section ``dataset`` of the configuration. InputError if there is no data set in
     its ``root``.
     """
     if dataset["table"] is not None:
@@ -180,10 +180,10 @@ def table_of(dataset: Mapping[str, Any]) -> HouseTable:
 
 
 def chosen_crops(layout: Layout, crops: Mapping[str, Any]) -> dict[str, Any]:
-    """Return ``{"source", "folder"}`` of the section ``crops``, the choice ``auto`` made.
+    """Return ``{"source", "folder"}`` of the section ``crops``, with ``auto`` resolved.
 
-    Ready crops of Rent3D++ are taken where the data set has them (or a folder is named), else
-    crops are sampled from the photos.
+    Then precomputed crops of Rent3D++ are taken if the data set has them or a folder is named;
+    else crops are sampled from the photos.
     """
     source, folder = crops["source"], crops["folder"]
     if source == "sampled":
@@ -204,7 +204,7 @@ def photo_paths(folder: Path, names: Iterable[str]) -> list[Path]:
 
 
 def safe_names(names: Iterable[str]) -> list[str]:
-    """Return those names of photos that a path can have; of others their house's jobs tell."""
+    """Return the names of photos that are safe in a path; the house's jobs report the others."""
     safe = []
     for name in names:
         try:

@@ -1,6 +1,6 @@
-"""A plan and what its data set says of it, checked and written as scene.json.
+"""Import a plan, with its data set's facts about it: check it and write it as scene.json.
 
-Object boxes of Rent3D++ say where icons of furniture are drawn in a plan.
+Object boxes of Rent3D++ give the places of the furniture icons that are drawn in a plan.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene.plans.usual_windows import with_usual_windows
 from plan2scene.plans.validate import validate_house
 
-_MARGIN = 0.5  #: How far beyond the rooms a box may reach in metres (icons are drawn over walls)
+_MARGIN = 0.5  #: Metres that a box may reach beyond the rooms (icons are drawn over walls)
 
 
 def read_object_boxes(path: str | Path, house_id: str) -> tuple[IconBox, ...]:
@@ -49,9 +49,9 @@ def read_object_boxes(path: str | Path, house_id: str) -> tuple[IconBox, ...]:
 def add_object_boxes(house: House, path: str | Path) -> tuple[House, list[str]]:
     """Return the house with the boxes of a file as its icons, and warnings.
 
-    A plan's own icons are kept before those of the file, which are on the lowest level. A file
-    that can't be read is a warning (textures don't need it), and so is a box without an extent or
-    off the plan.
+    The plan's own icons come first. The file's boxes are put on the lowest level. There is a
+    warning for a file that cannot be read (textures do not need it), and for a box that has no
+    extent or is off the plan.
     """
     try:
         boxes = read_object_boxes(path, house.id)
@@ -94,12 +94,12 @@ def import_plan(
     """Read, check and write a plan as scene.json; warnings go to the log. Return the house.
 
     `assignment` is the house's photo table: its rooms and photo names are checked here, so that
-    a wrong table stops the house before any photo is worked on. An empty one, or "" for a house
-    that has none, is a warning, and so is a photo that `photos_dir` lacks; None asks for no check.
-    `traced` as of :func:`.assignments.read_assignment`.
-    `name` is what people call a house whose plan does not say.
+    a wrong table stops the house before any photo is processed. There is a warning for an empty
+    table, for "" (the house has none), and for photos missing in `photos_dir`; None skips the
+    check. `traced` is passed to :func:`.assignments.read_assignment`.
+    `name` is what people call the house, if its plan does not say.
     A drawing without windows gets usual ones (:mod:`plan2scene.plans.usual_windows`).
-    Boxes of an `object_boxes` file become the house's icons; a faulty file is a warning.
+    The boxes in file `object_boxes` become the house's icons; a faulty file is only a warning.
     """
     house = read_plan(path, house_id, metres_per_pixel, dxf_layers)
     house = replace(house, name=house.name or name)

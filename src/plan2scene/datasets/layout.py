@@ -1,4 +1,4 @@
-"""Where the parts of a data set lie on disk: ours, or a copy of Rent3D++ as it was unpacked."""
+"""Where the parts of a data set lie on disk: in our layout, or in an unpacked copy of Rent3D++."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 from plan2scene.errors import InputError
 
-#: Folders of a Rent3D++ copy that hold what its authors call input, looked for in this order.
+#: Folders of a Rent3D++ copy that may hold its ``data_lists/``, in the order of the search.
 _INPUT_FOLDERS = ("input", "data/input")
 
 
@@ -46,9 +46,9 @@ class Layout:
         return folder if folder.is_dir() else None
 
     def plan_folders(self, split: str, architecture: str) -> list[Path]:
-        """Return where the plans of a split may lie, the wanted architecture first.
+        """Return the folders where the plans of a split may lie, the wanted architecture first.
 
-        That is ``bare`` rooms, or ``full``, with object models placed in them.
+        `architecture` is ``bare`` (rooms only) or ``full`` (with object models placed in them).
         """
         bare = [self.data / "archs_no_objects" / split]
         full = [self.processed / "full_archs" / split, self.data / "full_archs" / split]
@@ -63,17 +63,17 @@ class Layout:
         return self.data / "object_aabbs" / split / f"{house_id}.objectaabb.json"
 
     def relative(self, path: Path) -> str:
-        """Return a path as the house table writes it."""
+        """Return a path as it is written in the house table, relative to `root`."""
         return path.relative_to(self.root).as_posix()
 
 
 def find_layout(root: str | Path) -> Layout:
-    """Return the layout of a data set, told by where its ``data_lists/`` are.
+    """Return the layout of a data set, recognised by the place of its ``data_lists/``.
 
-    `root` is a folder in our own layout (docs/conventions.md), or of a Rent3D++ copy any of: the
-    folder with ``input/`` and ``processed/``, the one with ``data/`` above it, or ``input/``
-    itself. A folder that is none of these counts as our own layout: its readers say what is
-    missing.
+    `root` is a folder in our own layout (docs/conventions.md), or one of these folders of a
+    Rent3D++ copy: the folder that contains ``input/`` and ``processed/``, the folder that contains
+    ``data/``, or ``input/`` itself. Any other folder is treated as our own layout; later code
+    reports what is missing.
     """
     root = Path(root)
     if (root / "data_lists").is_dir() or (root / "houses.tsv").is_file():
@@ -89,7 +89,7 @@ def find_layout(root: str | Path) -> Layout:
 
 
 def require_data_set(root: str | Path) -> Layout:
-    """Return the layout of a data set; InputError, one line, where there is none."""
+    """Return the layout of a data set that has data lists; InputError if there is none."""
     layout = find_layout(root)
     if layout.is_rent3dpp or (layout.data / "data_lists").is_dir():
         return layout

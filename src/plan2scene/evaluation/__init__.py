@@ -1,1 +1,1 @@
-"""What the paper's supplement asks of a data set: sweeps over drops, ablations, a user study."""
+"""Evaluation on a data set: metrics, the paper's table 1, sweeps over drops, ablations."""

@@ -1,4 +1,4 @@
-"""Ablations of method synth: what each of its parts is worth, as a second table.
+"""Ablations of method synth: a second table, which shows what each of its parts contributes.
 
 A variant changes the crop that stands for a surface, the noise, or the propagation.
 """
@@ -44,20 +44,20 @@ class Variant:
 
     name: str
     description: str
-    #: crop whose code an observed surface gets: textureness, random, mean (of all)
+    #: how an observed surface's code is chosen from its crops: textureness, random, mean (of all)
     select: str = "textureness"
-    #: the selected crop's colour in place of the median over the surface's crops
+    #: use the selected crop's colour, not the median over the surface's crops
     crop_colour: bool = False
     #: embedding of unobserved surfaces: graph, no_graph or one of PREDICTORS
     propagate: str = "graph"
-    rgb: bool = False  #: the unmodified network of RGB in place of the one of delta-HSV
-    #: the reference's noise, which does not tile, in place of that on a torus
+    rgb: bool = False  #: use the unmodified RGB network, not that of delta-HSV
+    #: use the reference's noise, which does not tile, not the noise on a torus
     plane_noise: bool = False
-    seam_correction: bool = True  #: matters only for what does not tile by construction
+    seam_correction: bool = True  #: no effect on tiles that repeat by construction
 
     @property
     def method(self) -> str:
-        """Return the method that decodes it."""
+        """Return the texture method that decodes its embeddings."""
         return "naivesynth" if self.rgb else "synth"
 
 
@@ -85,7 +85,7 @@ VARIANTS = (
     Variant("house_mean", "unobserved: mean of the house's surfaces", propagate="house_mean"),
     Variant("nearest_room", "unobserved: the nearest room's surface", propagate="nearest_room"),
 )
-#: Ablations of the paper that need weights of their own, and why there is no row.
+#: Ablations of the paper without a row, because they need other weights, and the reason.
 MISSING = {
     "no_substance_head": "needs a texture network trained without the head, and a propagation "
     "network of its embeddings"
@@ -97,7 +97,8 @@ def selected(
 ) -> pd.DataFrame:
     """Return ``surfaces.parquet`` with the crops that a variant selects.
 
-    `surfaces` are as the method selects, `crops` the visible ones with their embeddings.
+    `surfaces` is the table with the method's own selection, `crops` the visible crops with their
+    embeddings.
     """
     import pandas as pd
 
@@ -131,7 +132,7 @@ def selected(
 def predicted(
     plan: House, propagated: pd.DataFrame, variant: Variant, models: Models
 ) -> pd.DataFrame:
-    """Return ``propagated.parquet`` with unobserved surfaces as a variant predicts them."""
+    """Return ``propagated.parquet`` with the embeddings that a variant predicts."""
     if variant.propagate == "graph":
         return propagated
     network, means = load_propagation(models.propagation)
@@ -160,7 +161,7 @@ def ablate_house(
     *,
     hidden: Mapping[str, Sequence[str]],
 ) -> None:
-    """Write ``ablation.parquet`` of a house: rows of ``metrics.parquet``, a variant as method.
+    """Write a house's ``ablation.parquet``: ``metrics.parquet`` with variants as methods.
 
     `hidden` maps a drop fraction to the photos hidden at it.
     """
@@ -177,7 +178,7 @@ def ablate_house(
             for variant in VARIANTS:
                 own = folder / f"{variant.name}_surfaces.parquet"
                 propagated = folder / f"{variant.name}_propagated.parquet"
-                # What a variant selects is what its propagation starts from.
+                # A variant's propagation starts from the crops that the variant selects.
                 chosen = selected(
                     surfaces, visible, variant, house=house_id, seed=house.settings.seed
                 )
@@ -200,7 +201,7 @@ def ablate_house(
 
 
 def _variant_of(house: EvaluatedHouse, variant: Variant, folder: Path) -> EvaluatedHouse:
-    """Return the house with the noise and the seams that a variant wants."""
+    """Return the house with a variant's noise and seam correction."""
     settings = replace(house.settings, seam_correction={variant.method: variant.seam_correction})
     if not variant.plane_noise:
         return replace(house, settings=settings)
@@ -224,8 +225,8 @@ def ablation_table(
 ) -> None:
     """Write the ablations over all houses as CSV, Markdown and LaTeX.
 
-    Observed surfaces at drop 0.0, unobserved and all at `drop`, as in the paper's table 1. Rows
-    that would need other weights are named beside the table.
+    Observed surfaces are measured at drop 0.0, unobserved and all at `drop`, as in the paper's
+    table 1. Ablations that need other weights are only named in the Markdown and LaTeX.
     """
     request = TableRequest(dataset, houses, [variant.name for variant in VARIANTS], drop, seed)
     tidy = tidy_table(Measurements(ablations, references), request)
@@ -241,7 +242,7 @@ def ablation_table(
 
 
 def _markdown(wide: pd.DataFrame, metrics: Sequence[str]) -> str:
-    """Return the table, three decimals a figure, and what is missing as Markdown."""
+    """Return the table, with three decimals, and the missing ablations as Markdown."""
     head = ["variant", "surfaces", "n", *metrics]
     lines = ["| " + " | ".join(head) + " |", "|---" * len(head) + "|"]
     for row in wide.to_dict("records"):

@@ -1,8 +1,8 @@
 """A house that is evaluated: selection, propagation, textures and metrics in one process.
 
-A comparison of methods, a sweep or an ablation repeats these steps dozens of times per house; as
-jobs of their own, most of their time would be the start of processes. The functions are those of
-the stages, so the figures are theirs.
+A sweep or an ablation repeats these steps dozens of times per house; as separate jobs they would
+spend most of their time on starting processes. The functions are those of the stages, so the
+results are the same.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Models(Networks):
 
     @property
     def decoders(self) -> dict[str, Path]:
-        """Return those that texture methods may ask for, by name."""
+        """Return the weights by name, for texture methods."""
         return asdict(self)
 
 
@@ -60,7 +60,7 @@ class EvaluatedHouse:
 
     @property
     def metadata(self) -> dict[str, str]:
-        """Return the metadata of a file of metrics: the house, and the networks behind them."""
+        """Return the metadata of a file of metrics: the house, and the networks of the metrics."""
         names = {"dataset": self.dataset, "house": self.files.house_id}
         return names | self.models.metadata
 
@@ -96,7 +96,7 @@ def measured_at(
     *,
     drop: str = "",
 ) -> list[pd.DataFrame]:
-    """Return the metrics of methods at a drop; tiles without a reference are not made."""
+    """Return the metrics of several methods at one drop; tiles without a reference are not made."""
     inputs = data.at(visible, house.models.decoders, house.settings).only(references)
     observed = {surface.key for surface in inputs.surfaces if surface.observed}
     frames = []

@@ -1,4 +1,4 @@
-"""The metrics stage of one house: its tiles against the crops that stand for the truth."""
+"""The metrics stage of one house: its tiles are compared with reference crops."""
 
 from __future__ import annotations
 
@@ -118,8 +118,8 @@ def measure_tiles(
 
     `tiles` are (s, s, 3) uint8 sRGB. `observed` surfaces, which a visible photo shows, are compared
     with the medoid of their visible crops, any other with the medoid over all photos
-    (:func:`reference_images`). `more` are further images (s, s, 3) uint8 for FID and KID of the
-    surfaces with references, as many of each, one surface's after another.
+    (:func:`reference_images`). `more` are further images (s, s, 3) uint8 for FID and KID: the same
+    number for each surface with a reference, one surface after another.
     """
     import pandas as pd
 
@@ -143,7 +143,7 @@ def measure_tiles(
 
 
 def _truth(key: SurfaceKey, observed: bool, references: References, house_id: str) -> np.ndarray:
-    """Return what a surface's tile is compared with, (128, 128, 3) uint8."""
+    """Return the image (128, 128, 3) uint8 with which a surface's tile is compared."""
     visible, every = references[key]
     if not observed:
         return every
@@ -154,7 +154,7 @@ def _truth(key: SurfaceKey, observed: bool, references: References, house_id: st
 
 
 def _grouped(model: Path, images: Sequence[np.ndarray], count: int) -> list[np.ndarray]:
-    """Return for each of `count` surfaces the features of its further images, one after another."""
+    """Return for each of `count` surfaces the concatenated features of its further images."""
     if not images:
         return [np.zeros(0, np.float32)] * count
     return list(features_of(model, images).reshape(count, -1))

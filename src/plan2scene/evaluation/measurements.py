@@ -17,7 +17,7 @@ from plan2scene.metrics.registry import METRICS
 if TYPE_CHECKING:
     import pandas as pd
 
-_SURFACE = ["room_id", "surface"]  #: What names a surface of a house
+_SURFACE = ["room_id", "surface"]  #: Columns that identify a surface of a house
 #: Metadata that all houses must share.
 _NETWORK_METADATA = ("features", "model", "substances", "substance_model")
 
@@ -43,20 +43,20 @@ class MeasuredHouse:
 
     @cached_property
     def columns(self) -> dict[str, np.ndarray]:
-        """Return the other columns as arrays by name: many cells select of them."""
+        """Return the other columns as arrays by name; many table cells select rows of them."""
         left_out = ("features", "further_features")
         return {name: self.rows[name].to_numpy() for name in self.rows if name not in left_out}
 
 
 class Measurements:
-    """The files of all houses; only the file names and a house at a time are held."""
+    """The files of all houses; only their names and one house at a time are in memory."""
 
     def __init__(self, metrics: Iterable[str | Path], references: Iterable[str | Path]) -> None:
         self._metrics = list(metrics)
         self._references = {read_parquet_metadata(path)["house"]: path for path in references}
 
     def networks(self) -> dict[str, str]:
-        """Return the name of each metric's network (``none`` without).
+        """Return the name of each metric's network (``none`` for a metric without one).
 
         Raises InputError where the files were measured with different networks.
         """
@@ -78,7 +78,7 @@ class Measurements:
                 yield MeasuredHouse(name, rows, self._crops(name))
 
     def _crops(self, house: str) -> dict[tuple[str, str], np.ndarray]:
-        """Return the features of a house's crops by surface; none where it has no file."""
+        """Return the features of a house's crops by surface; an empty dict if it has no file."""
         if house not in self._references:
             return {}
         groups = read_parquet(self._references[house])[0].groupby(_SURFACE)["features"]

@@ -35,8 +35,8 @@ def paper_table(
 ) -> pd.DataFrame:
     """Write the table as CSV, tidy Parquet, plot and LaTeX; return the tidy table.
 
-    From ``metrics.parquet`` of all houses, methods and drops, and ``reference_features.parquet``
-    of the houses.
+    `metrics_files` are ``metrics.parquet`` of the houses, `reference_files` their
+    ``reference_features.parquet``.
     """
     tidy = tidy_table(Measurements(metrics_files, reference_files), request)
     empty = tidy.loc[tidy["n"] == 0, ["method", "column"]].drop_duplicates()

@@ -23,8 +23,8 @@ _MARKERS = "os^DvPX<"
 def plot_table(tidy: pd.DataFrame, output: str | Path) -> None:
     """Write a PNG of the tidy table of :func:`plan2scene.evaluation.paper_table.paper_table`.
 
-    A panel per metric, a group of bars per column. Published figures are drawn where they are
-    of one scale: not where they come from another network.
+    There is a panel per metric and a group of bars per column. Published values are drawn only
+    if the same network made them, so that they are comparable.
     """
     figure = _figure(17, 3.6)
     for axes, metric in zip(figure.subplots(1, len(METRICS)), METRICS, strict=True):
@@ -52,7 +52,7 @@ def _bars(axes: Axes, cells: pd.DataFrame, metric: str, methods: list[str]) -> N
     axes.set_xticks(range(len(TABLE_COLUMNS)), TABLE_COLUMNS, fontsize=8)
     axes.set_title(metric_title(metric, network))
     axes.spines[["top", "right"]].set_visible(False)
-    if cells["value"].min() >= 0:  # KID may fall below
+    if cells["value"].min() >= 0:  # KID may be negative
         axes.set_ylim(bottom=0, top=None if cells["value"].max() > 0 else 1)
 
 
@@ -88,7 +88,7 @@ def plot_sweep(tidy: pd.DataFrame, output: str | Path) -> None:
 
 
 def _figure(width: float, height: float) -> Figure:
-    """Return an empty figure of that many inches."""
+    """Return an empty figure; sizes are in inches."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

@@ -13,14 +13,14 @@ from plan2scene.images import image_from_bytes, medoid_index, metric_image
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Of each surface with crops: the medoid of its visible ones, if any, and that of all.
+#: By surface with crops: the medoid of its visible crops, if any, and the medoid of all.
 References: TypeAlias = Mapping[SurfaceKey, tuple[np.ndarray | None, np.ndarray]]
 
 
 def reference_images(crops: pd.DataFrame, hidden_photos: Collection[str]) -> References:
-    """Return for each surface with crops the medoid of its visible ones and that of all.
+    """Return for each surface with crops the medoid of its visible crops and that of all.
 
-    Both (128, 128, 3) uint8; the first is None for a surface that only hidden photos show.
+    Both are (128, 128, 3) uint8; the first is None if only hidden photos show the surface.
     """
     hidden = set(hidden_photos)
     result = {}

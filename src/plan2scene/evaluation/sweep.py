@@ -28,7 +28,7 @@ def sweep_house(
     hidden: Mapping[str, Sequence[str]],
     methods: Sequence[str],
 ) -> None:
-    """Write ``sweep.parquet`` of a house: the rows of ``metrics.parquet`` for all methods, drops.
+    """Write a house's ``sweep.parquet``: rows as in ``metrics.parquet`` by all methods and drops.
 
     `hidden` maps a drop fraction (``"0.3"``) to the photos hidden at it.
     """
@@ -36,7 +36,7 @@ def sweep_house(
     done: dict[frozenset[str], list[pd.DataFrame]] = {}
     frames = []
     for drop, photos in hidden.items():
-        key = frozenset(photos)  # a house of few photos hides the same at several drops
+        key = frozenset(photos)  # with few photos, several drops hide the same ones
         if key not in done:
             done[key] = _at_drop(house, data, embeddings, photos, methods)
         frames += [frame.assign(drop=drop) for frame in done[key]]
@@ -69,8 +69,8 @@ def sweep_table(
 ) -> None:
     """Write the sweep over all houses as CSV and as a plot.
 
-    A row per method, drop and column (observed, unobserved, all); ``n=0`` where a column has no
-    surface, as observed at 1.0.
+    There is a row per method, drop and column (observed, unobserved, all). A cell is ``n=0`` if
+    its column has no surface, such as observed at drop 1.0.
     """
     tidy = tidy_table(Measurements(sweeps, references), request)
     write_csv(output_csv, wide_table(tidy))

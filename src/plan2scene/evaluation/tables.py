@@ -1,7 +1,7 @@
-"""Tables of metrics: means over surfaces of many methods and drops, tidy, wide and as LaTeX.
+"""Tables of metrics by method, drop and group of surfaces: tidy, wide and as LaTeX.
 
 Published figures are the paper's table 1 (CVPR 2021, test split of Rent3D++, 43 houses; lower is
-better). Sums of each method, column and drop are made over all houses in a stream.
+better). The sums for each method, column and drop are updated house by house.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ if TYPE_CHECKING:
     import pandas as pd
 
 _PAPER_METRICS = ("COLOR", "FREQ", "SUBS", "FID", "TILE")
-#: The networks of the published figures; ours by another one are not of their scale.
+#: Networks of the published values; values made by another network are not comparable.
 PUBLISHED_NETWORKS: Mapping[str, str] = {"SUBS": "vgg16", "FID": "inception"}
-#: Columns: surfaces observed at drop 0.0, and those unobserved and all at drop 0.6.
+#: Columns: observed surfaces (at drop 0.0), unobserved and all surfaces (at the table's drop).
 TABLE_COLUMNS = ("observed", "unobserved", "all")
-#: Figures in the paper's order. SUBS is by VGG-16 and FID by InceptionV3.
+#: Published values of `_PAPER_METRICS` by method and column; SUBS by VGG-16, FID by InceptionV3.
 _TABLE: Mapping[tuple[str, str], tuple[float, ...]] = {
     ("crop", "observed"): (0.0, 0.0, 0.0, 0.0, 38.1),
     ("crop", "unobserved"): (0.768, 0.026, 0.345, 57.2, 40.6),
@@ -44,20 +44,20 @@ _TABLE: Mapping[tuple[str, str], tuple[float, ...]] = {
 
 
 def published_value(method: str, column: str, metric: str) -> float:
-    """Return the paper's figure; NaN for a method or metric that it does not have."""
+    """Return the paper's value; NaN for a method or metric that is not in the paper."""
     row = dict(zip(_PAPER_METRICS, _TABLE.get((method, column), ()), strict=False))
     return row.get(metric, float("nan"))
 
 
 def comparable(metric: str, network: str) -> bool:
-    """Return whether a figure made with `network` is of the published figures' scale."""
+    """Return whether a value made with `network` is comparable with the published one."""
     return PUBLISHED_NETWORKS.get(metric, network) == network
 
 
-#: FID and KID are of the whole set; the others are means of a column of ``metrics.parquet``.
+#: Metrics that are means of a column of ``metrics.parquet``; FID and KID are of the whole set.
 MEANS = tuple(name for name in METRICS if name not in ("FID", "KID"))
-#: Cells that are summed in one reading of the files: each holds some megabytes of moments, those
-#: of features of many dimensions (InceptionV3's 2048) some hundred.
+#: Number of cells that are summed in one pass over the files: usually, and for features of many
+#: dimensions (InceptionV3's 2048). A cell holds some megabytes, or some hundred megabytes.
 _AT_ONCE, _AT_ONCE_WIDE = 48, 3
 
 
@@ -68,8 +68,8 @@ class Cell:
     method: str
     column: str
     drop: str
-    measured: set[str] = field(default_factory=set)  #: houses with results of method and drop
-    houses: int = 0  #: those with surfaces that count
+    measured: set[str] = field(default_factory=set)  #: houses with results of this method and drop
+    houses: int = 0  #: number of houses with surfaces in the cell
     n: int = 0
     images: int = 0
     sums: np.ndarray = field(default_factory=lambda: np.zeros((2, len(MEANS))))
@@ -97,7 +97,7 @@ class Cell:
         self.distances.add(images, crops)
 
     def values(self) -> dict[str, float]:
-        """Return the value of each metric; NaN where no surface is counted."""
+        """Return the value of each metric; NaN if no surface is in the cell."""
         if not self.n:
             return dict.fromkeys(METRICS, float("nan"))
         total, count = self.sums
@@ -108,7 +108,7 @@ class Cell:
 def summed(cells: Sequence[Cell], houses: Collection[str], measured: Measurements) -> None:
     """Add all measured houses that the table covers to the cells.
 
-    The files are read again for every few dozen cells.
+    The files are read again for each group of cells (`_AT_ONCE`), which bounds the memory.
     """
     left = list(cells)
     while left:
@@ -122,20 +122,20 @@ def summed(cells: Sequence[Cell], houses: Collection[str], measured: Measurement
         left = left[len(own) :]
 
 
-#: Packages whose versions a table names: those that its figures are computed with.
+#: Packages that the values are computed with; a table names their versions.
 _PACKAGES = ("numpy", "scipy", "opencv-python-headless", "pillow", "torch")
 
 
 @dataclass(frozen=True)
 class TableRequest:
-    """What a table is made of and stands for."""
+    """What a table covers."""
 
     dataset: str
-    houses: Sequence[str]  #: that the table should cover; those without results are named in it
+    houses: Sequence[str]  #: to cover; the table names those without results
     methods: Sequence[str]
-    drop: str  #: of Unobserved and All, one decimal; observed surfaces are those of 0.0
+    drop: str  #: drop of unobserved and all, with one decimal; that of observed is 0.0
     seed: int
-    #: of a sweep: every column is measured at each of them, not at `drop`
+    #: drops of a sweep: every column is measured at each of them, not at `drop`
     drops: Sequence[str] = ()
 
     def drops_of(self, column: str) -> Sequence[str]:
@@ -146,9 +146,9 @@ class TableRequest:
 def tidy_table(measured: Measurements, request: TableRequest) -> pd.DataFrame:
     """Return a row per method, column, drop and metric.
 
-    ``n`` surfaces, ``images`` of them for FID and KID, ``houses`` counted and ``missing``, the
-    metric's network (``features``), ``value`` (NaN where no surface falls into the column), the
-    ``published`` figure, and ours minus it where both are of one network.
+    Other columns are the numbers of surfaces ``n``, of their ``images`` for FID and KID, and of
+    ``houses``; ``missing`` houses; the network ``features``; ``value`` (NaN without surfaces); the
+    ``published`` value; and ``difference``, ours minus that, if both are of one network.
     """
     import pandas as pd
 
@@ -184,7 +184,7 @@ def tidy_table(measured: Measurements, request: TableRequest) -> pd.DataFrame:
 
 
 def _metric_rows(cell: Cell, networks: Mapping[str, str]) -> list[dict[str, object]]:
-    """Return what a row says of each metric; NaN without any surface."""
+    """Return the metric columns of a cell's rows; NaN if it has no surface."""
     values, figures = cell.values(), []
     for name, network in networks.items():
         value, published = values[name], published_value(cell.method, cell.column, name)
@@ -203,8 +203,8 @@ def wide_table(
 ) -> pd.DataFrame:
     """Return a row per method, drop and column, its metrics side by side as text.
 
-    Metrics of a network carry its name; no cell is empty: ``n=0`` where no surface is. With
-    `published`, the published figures and ours minus them follow.
+    The title of a metric includes its network's name. A cell without surfaces shows ``n=0``, so
+    none is empty. With `published`, the published values and ours minus them follow.
     """
     import pandas as pd
 
@@ -221,23 +221,23 @@ def wide_table(
 
 
 def metric_title(metric: str, features: str) -> str:
-    """Return a metric's name with its features network, where it has one."""
+    """Return a metric's name, with that of its network if it has one."""
     return metric if features == "none" else f"{metric} ({features})"
 
 
 def _figure(cell: Any) -> str:
-    """Return a cell's figure; how many surfaces there are where they are too few for one."""
+    """Return a cell's value as text, or the number of surfaces if they are too few for a value."""
     known = cell.value == cell.value
     return f"{round(cell.value, 4) + 0.0:.4f}" if known else f"n={cell.n}"  # never -0.0000
 
 
 def _published(cell: Any) -> str:
-    """Return the published figure, or that the paper does not have it."""
+    """Return the published value as text; ``none`` if the paper has none."""
     return f"{cell.published:g}" if cell.published == cell.published else "none"
 
 
 def _difference(cell: Any) -> str:
-    """Return ours minus the published figure, or why there is none."""
+    """Return our value minus the published one as text, or why there is none."""
     if cell.published != cell.published:
         return "none"
     if not comparable(cell.metric, cell.features):
@@ -245,17 +245,17 @@ def _difference(cell: Any) -> str:
     return f"{cell.difference:+.4f}" if cell.difference == cell.difference else f"n={cell.n}"
 
 
-_SMALL_FID = 3  #: Decimals of FID by the embedded network, whose figures are small
-#: Crop's observed surfaces are compared with the very crop that they show: never the best.
+_SMALL_FID = 3  #: Decimals of FID by the embedded network, whose values are small
+#: Method crop shows the reference crop itself on observed surfaces, so it is not ranked there.
 _COMPARED_WITH_ITSELF = ("crop", "observed")
 
 
 def latex_table(tidy: pd.DataFrame, notes: Sequence[str] = ()) -> str:
     """Return a ``tabular`` of a table of :func:`tidy_table`; it needs package ``booktabs`` only.
 
-    A group of rows per column of the paper (observed, unobserved, all), a row per method. The
-    best value of a group is bold, a published one follows in brackets, and ``--`` stands where no
-    surface counts. What the table was made of, and `notes`, are in comments above it.
+    There is a group of rows per column of the paper (observed, unobserved, all), with a row per
+    method. The best value of a group is bold; a published value follows in brackets; ``--`` means
+    that there is no surface. The data set, the versions and `notes` are in comments above it.
     """
     import pandas as pd
 
@@ -287,7 +287,7 @@ def latex_table(tidy: pd.DataFrame, notes: Sequence[str] = ()) -> str:
 
 
 def _counts(group: pd.DataFrame) -> str:
-    """Return ``n = 48``, or the range where methods differ."""
+    """Return ``n = 48``, or the range of n if methods differ."""
     low, high = group["n"].min(), group["n"].max()
     return f"n = {low}" if low == high else f"n = {low} to {high}"
 

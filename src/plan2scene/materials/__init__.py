@@ -49,9 +49,10 @@ def random_material(
 ) -> Material:
     """Return a random material of a substance (``house.SUBSTANCES``); same seed, same bytes.
 
-    The seed decides colour, scale, wear and contrast, and `kind` (of ``KINDS[substance]``) and the
-    main colour `colour_rgb` (sRGB, 0 to 255) where they are not given. `size_px` is the side of the
-    albedo tile in pixels. ValueError for an unknown substance or kind, or a size below 32.
+    The seed decides colour, scale, wear and contrast. If they are not given, it also decides `kind`
+    (of ``KINDS[substance]``) and the main colour `colour_rgb` (sRGB, 0 to 255). `size_px` is the
+    side of the albedo tile in pixels. ValueError for an unknown substance or kind, or a size below
+    32.
     """
     if substance not in KINDS:
         raise ValueError(f"expected a substance of {tuple(KINDS)}, found {substance!r}")

@@ -1,4 +1,4 @@
-"""How units (planks, tiles, bricks) cover a square that repeats: bonds and their geometry."""
+"""How units (planks, tiles, bricks) cover a periodic square: bonds and their geometry."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Layout:
         return rng.choice(len(weights), _TABLE, p=weights / weights.sum())[self.key]
 
     def lookup(self, rng: np.random.Generator, image: np.ndarray) -> np.ndarray:
-        """Return a periodic image cut to units: each unit shows another part of it."""
+        """Return (n, n[, c]) where each unit shows a different part of a periodic image."""
         n = image.shape[0]
         offset_x, offset_y = rng.uniform(0, n, (2, _TABLE)).astype(np.float32)
         flip = np.where(rng.random(_TABLE) < 0.5, -1.0, 1.0).astype(np.float32)
@@ -59,7 +59,7 @@ def _grid_positions(size: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _key(cx: np.ndarray, cy: np.ndarray) -> np.ndarray:
-    """Return the hash of units by their centres on the unit torus."""
+    """Return the hash of units from their centres on the torus of side 1."""
     kx = np.floor(np.mod(cx + 0.00137, 1.0) * 4001).astype(np.int64)
     ky = np.floor(np.mod(cy + 0.00173, 1.0) * 4001).astype(np.int64)
     mixed = kx * 73856093 + ky * 19349663

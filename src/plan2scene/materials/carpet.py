@@ -37,7 +37,7 @@ def _cut(rng: Generator, size: int) -> np.ndarray:
 
 
 def _loops(rng: Generator, size: int, size_m: float) -> np.ndarray:
-    """Return rows of loops: bumps on a jittered lattice, 4-10 mm apart."""
+    """Return rows of loops: bumps on a jittered lattice, about 4-11 mm apart."""
     pitch = float(rng.uniform(0.004, 0.011))
     count = int(np.clip(round(size_m / pitch), 20, size // 4))
     columns = max(8, round(count * float(rng.uniform(0.5, 1.0))))

@@ -19,7 +19,7 @@ def spectral_noise(
     """Return periodic Gaussian noise (size, size) float32, mean 0, deviation 1; [row y, column x].
 
     Power falls as frequency ** -`beta` (0 white, 2 cloudy) between `low` and `high` cycles per
-    tile; what is outside fades out. `stretch` elongates features along (x, y).
+    tile and fades out beyond them. `stretch` elongates features along (x, y).
     """
     spectrum = fft.rfft2(rng.standard_normal((size, size), dtype=np.float32))
     fx = np.fft.rfftfreq(size, 1.0 / size).astype(np.float32) * np.float32(stretch[0])

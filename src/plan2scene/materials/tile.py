@@ -31,7 +31,7 @@ def make(rng: Generator, kind: str, size: int, base: np.ndarray | None) -> Look:
 
 
 def _layout(rng: Generator, kind: str, size: int) -> Layout:
-    """Return how the tiles lie, in sizes that are sold."""
+    """Return how the tiles lie, in sizes that shops sell."""
     if kind == "mosaic":
         unit, count = float(rng.uniform(0.018, 0.05)), int(rng.integers(8, 17))
         if rng.random() < 0.3:

@@ -26,7 +26,7 @@ def make(rng: Generator, kind: str, size: int, base: np.ndarray | None) -> Look:
     amount = amount + periodic_noise.spectral_noise(rng, size, 3.0, high=6) * np.float32(
         rng.uniform(0.0, 0.035)
     )
-    # Dark wood is also more saturated: move along the line towards the tone's own square.
+    # Dark wood is also more saturated: mix in the image multiplied by the tone.
     darkness = -amount * np.float32(rng.uniform(0.6, 1.3))
     image = palettes.shade(tone, amount)
     image = palettes.mix(image, image * (tone / tone.max()), np.clip(darkness, -0.3, 0.8))
@@ -43,7 +43,7 @@ def make(rng: Generator, kind: str, size: int, base: np.ndarray | None) -> Look:
 
 
 def _layout(rng: Generator, kind: str, size: int) -> Layout:
-    """Return how the boards lie, in sizes that are sold."""
+    """Return how the boards lie, in sizes that shops sell."""
     if kind in ("planks", "plain"):
         width = float(rng.uniform(0.07, 0.2))
         rows = int(rng.integers(4, 9)) if width > 0.1 else int(rng.integers(6, 13))
@@ -73,8 +73,8 @@ def _layout(rng: Generator, kind: str, size: int) -> Layout:
 def _grain(rng: Generator, size: int, size_m: float, vein: float) -> np.ndarray:
     """Return periodic wood grain along x: (size, size) float32, mean about 0, deviation about 1.
 
-    Growth rings are the level lines of a smooth elongated field, which gives the cathedral figure
-    of flat-sawn boards where the field has an extremum and straight grain elsewhere.
+    Growth rings are the level lines of a smooth elongated field. Around its extrema they look like
+    the arches (cathedrals) of flat-sawn boards, elsewhere like straight grain.
     """
     across = size_m / 0.12  # features of a board's width
     field = periodic_noise.spectral_noise(

@@ -34,11 +34,11 @@ from plan2scene.plans.wall_sides import Portal, find_openings, railing_sides, ro
 
 @dataclass(frozen=True)
 class Storey:
-    """A level's parts, and the plan areas that drawings and bodies of it need.
+    """A level's parts, and the plan areas that drawings and exports of it need.
 
-    `house` has the level's rooms alone. `well` is where stairs come up, open in the floors;
-    `above` what is on top, with the stairs that its ceilings are open over. `flights` are the
-    stairs that start or arrive here, with their number of steps.
+    `house` has the rooms of this level alone. `well` is the plan area where stairs come up: its
+    floors are open there. `above` is what is on top. `flights` are the stairs that start or
+    arrive here, with their number of steps.
     """
 
     level: Level
@@ -54,7 +54,7 @@ class Storey:
 def build_storey(
     level: Level, house: House, below: BaseGeometry | None, well: BaseGeometry, above: Above | None
 ) -> Storey:
-    """Return the storey of a house without levels and stairs; names of parts may repeat.
+    """Return the storey of a `house` that has one level's rooms alone; part names may repeat.
 
     `below` is the plan area of the rooms that it stands on, None for the lowest level.
     """
@@ -94,7 +94,7 @@ def build_storey(
     for portal in portals:
         strip = threshold(portal)
         leaf = leaves.get(portal.hole.opening.id, usual)
-        # Leaves open into rooms, not into the halls that join them.
+        # A leaf opens into the room with fewer doors, not into a hall.
         inwards = portal.other is None or doors[portal.side.room_id] <= doors[portal.other]
         both = (portal.side.room_id, portal.other)
         trim = next((trims[room] for room in both if room in trims), all_trim)
@@ -142,7 +142,7 @@ class Assembly:
 
 
 def lifted(part: MeshPart, level: Level) -> MeshPart:
-    """Return a part of a storey where it is in the house; its extras name the level."""
+    """Return a storey's part, moved up to its level's elevation; its extras name the level."""
     if not level.id:
         return part
     mesh = part.mesh.copy()
@@ -153,11 +153,11 @@ def lifted(part: MeshPart, level: Level) -> MeshPart:
 
 
 def assemble(house: House) -> Assembly:
-    """Return the storeys of a validated house; each of their parts has a name of its own.
+    """Return the storeys of a validated house; every part has a unique name.
 
-    Floors, ceilings and wall faces carry their room's texture key and have exact areas: a
-    floor's is its polygon's less where stairs come up, a wall face's is length x height less
-    openings. Everything else (wall bodies, door leaves, window frames, glass) is plain.
+    Floors, ceilings and wall faces carry their room's texture key. Their areas are exact: a
+    floor's is that of its polygon less the wells of stairs, a wall face's is length x height less
+    openings. All other parts (wall bodies, door leaves, window frames, glass) are plain.
     """
     storeys = []
     below: BaseGeometry | None = None

@@ -1,7 +1,7 @@
 """Ambient occlusion of a house's surfaces, baked into texels by rays (Embree), and its lamps.
 
-Flat parts are laid out in one image (`Chart`). Occlusion (glTF's occlusionTexture) is how much of
-the hemisphere over a point is taken by what is near, weighted by the cosine and by how near it is.
+Flat parts are laid out in one image (`Chart`). Occlusion (glTF's occlusionTexture) is the share of
+the hemisphere over a point that near parts cover, weighted by the cosine and by their nearness.
 """
 
 from __future__ import annotations
@@ -21,18 +21,19 @@ from plan2scene.mesh.parts import MeshPart
 from plan2scene.mesh.rays import Rays, hemisphere
 from plan2scene.plans.geometry import room_polygon
 
-#: Texels around each part that continue its edge, so that filtering takes nothing of others.
+#: Width in texels of a border that continues a part's edge: filtering does not mix in other parts.
 GUTTER = 1
-#: Points stand so far in front of a face, metres, when rays start there: before the walls of rooms
-#: that a plan draws a little into each other.
+#: Rays start this far in front of a face, metres. So the wall of a neighbouring room that overlaps
+#: this one a little in the plan does not block them.
 LIFT = 0.015
 
 
 @dataclass(frozen=True)
 class Chart:
-    """A flat part with its texels: column and row of the image that its texel (0, 0) has.
+    """A flat part and its rectangle of texels, `size` (height, width), in an image.
 
-    `low` is the corner of texel (0, 0) in the part's texture coordinates, metres.
+    Texel (0, 0) has its corner at `low` in the part's texture coordinates, metres; in the image it
+    lies at `column` and `row`.
     """
 
     part: MeshPart
@@ -48,11 +49,11 @@ class Chart:
         return np.asarray(self.part.mesh.vertex_normals[0])
 
     def texels(self, uv: np.ndarray) -> np.ndarray:
-        """Return (..., 2) column and row in the image, in texels, of texture coordinates."""
+        """Return the (..., 2) column and row in the image, in texels, of texture coordinates."""
         return np.asarray((uv - self.low) / self.texel_m + [self.column, self.row])
 
     def grid(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return texture coordinates (h, w, 2) of texels with their gutter, and which are on it."""
+        """Return texture coordinates (h, w, 2) of texels and gutter, and which are on the part."""
         height, width = self.size
         rows, columns = np.mgrid[-GUTTER : height + GUTTER, -GUTTER : width + GUTTER]
         uv = self.low + (np.stack([columns, rows], axis=-1) + 0.5) * self.texel_m
@@ -66,7 +67,7 @@ class Chart:
         return np.asarray(points + LIFT * self.normal)
 
     def paste(self, image: np.ndarray, values: np.ndarray, inside: np.ndarray) -> None:
-        """Write values (h, w, ...) of the grid into an image; off the part its nearest texel's."""
+        """Write the grid's values (h, w, ...) into an image; off the part its nearest texel's."""
         if inside.any():
             nearest = ndimage.distance_transform_edt(
                 ~inside, return_distances=False, return_indices=True
@@ -79,9 +80,9 @@ class Chart:
 def packed(
     parts: Sequence[MeshPart], texel_m: float, most_px: int
 ) -> tuple[list[Chart], tuple[int, int]]:
-    """Return the parts on shelves of an image no higher than wide, and its (height, width).
+    """Return charts of the parts, packed in rows of an image, and its (height, width).
 
-    Texels are `texel_m` wide, larger where the image would be over `most_px`.
+    It is no higher than wide. Texels are `texel_m` wide, or larger if it would exceed `most_px`.
     """
     while True:
         charts = sorted((_chart(part, texel_m) for part in parts), key=lambda c: -c.size[0])
@@ -103,7 +104,7 @@ def _chart(part: MeshPart, texel_m: float) -> Chart:
 
 
 def _shelves(charts: Sequence[Chart], side: int) -> list[Chart] | None:
-    """Return charts placed in rows of a square; None where it is too small."""
+    """Return the charts, placed in rows of a square; None if it is too small."""
     placed, x, y, high = [], 0, 0, 0
     for chart in charts:
         height, width = (n + 2 * GUTTER for n in chart.size)
@@ -120,10 +121,10 @@ def _shelves(charts: Sequence[Chart], side: int) -> list[Chart] | None:
 class OcclusionSettings:
     """How occlusion is baked: half a second of processor time a house."""
 
-    reach_m: float = 1.2  #: what is farther away does not darken
-    texel_m: float = 0.08  #: side of a texel; larger where the image would be over `most_px`
-    most_px: int = 2048  #: width and height of the image at most
-    rays: int = 64  #: directions that a texel looks in
+    reach_m: float = 1.2  #: parts farther away than this do not occlude
+    texel_m: float = 0.08  #: side of a texel; larger if the image would exceed `most_px`
+    most_px: int = 2048  #: largest width and height of the image
+    rays: int = 64  #: number of rays per texel
 
 
 OCCLUSION = OcclusionSettings()
@@ -134,16 +135,15 @@ class Occlusion:
     """A baked image, and where each part lies in it."""
 
     png: bytes  #: (h, w) uint8, linear: 255 where nothing is near
-    #: by part: (n, 2) float64 in [0, 1] of its vertices in the image, v down
+    #: by part name: image coordinates of its vertices, (n, 2) float64 in [0, 1], v down
     uv: Mapping[str, np.ndarray]
 
 
 def bake_occlusion(parts: Sequence[MeshPart], flat: Sequence[MeshPart]) -> Occlusion | None:
-    """Return the occlusion of the `flat` ones among a house's parts, which have UV in metres.
+    """Return the occlusion of the `flat` parts, some of a house's `parts`, with UV in metres.
 
-    Every opaque part casts; glass does not, and skirting boards, thinner than a texel, would only
-    blacken the wall behind them. None where nothing is flat, or where there is no ray
-    tracer. Deterministic.
+    All opaque parts occlude, except skirting boards: they are thinner than a texel and would only
+    blacken the wall behind them. None if `flat` is empty or there is no ray tracer. Deterministic.
     """
     if not flat:
         return None
@@ -173,7 +173,7 @@ def _openness(chart: Chart, uv: np.ndarray, rays: Rays) -> np.ndarray:
     return np.asarray(1 - near.mean(axis=1))
 
 
-#: Linear RGB of lamps, 1 for a white surface in full light, and how far they hang from ceilings.
+#: Linear RGB of lamps, 1 for a white surface in full light; how far they hang below the ceiling.
 LAMP, LAMP_DROP_M = np.array([1.0, 0.94, 0.86]), 0.35
 
 

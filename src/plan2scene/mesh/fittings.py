@@ -1,6 +1,6 @@
-"""Fixed objects of the plan: where icons are drawn, simple models of the right size at the wall.
+"""Fixed objects: where the plan has icons, simple models of baths, stoves, stairs at the wall.
 
-An icon's box says what stands where; sizes that it leaves open are those of ordinary fittings.
+An icon's box says what stands where; sizes that it does not give are those of ordinary fittings.
 Local axes of a model: x along the wall to the right as seen from the room, y up, z into the room.
 """
 
@@ -31,7 +31,7 @@ DARK: Colour = (42, 42, 44)
 #: An object whose icon is farther than this from every wall of its room stands free, metres.
 NEAR_WALL = 0.6
 OFF = 0.02  #: Objects stand this far off the wall, metres: clear of its skirting
-#: An icon needs this share of its box in a room.
+#: An icon is built if at least this share of its box lies in a room.
 LEAST_INSIDE = 0.3
 _log = logging.getLogger("plan2scene")
 
@@ -132,11 +132,11 @@ def _basin(
 class Kind:
     """What an object is."""
 
-    words: frozenset[str]  #: words of an icon's type that mean it, lower case
-    #: boxes of a model of (width along the wall, depth, height), metres
+    words: frozenset[str]  #: words in an icon's type that mean this kind, lower case
+    #: returns the boxes of a model for its (width along the wall, depth, height), metres
     blocks: Callable[[float, float, float], list[Block]]
     size: tuple[float, float, float]  #: ordinary width, depth and height, metres
-    stretch: float = 0.0  #: the width goes on with the icon up to this, metres; 0 keeps it ordinary
+    stretch: float = 0.0  #: a model is as wide as its icon, at most this, metres; 0: ordinary width
 
 
 KINDS: Mapping[str, Kind] = {
@@ -153,7 +153,7 @@ KINDS: Mapping[str, Kind] = {
 
 
 def category_of(icon: IconBox) -> str | None:
-    """Return the name in :data:`KINDS` of an icon; None for what is not built."""
+    """Return the name in :data:`KINDS` of an icon; None if it is of no such kind."""
     words = set(re.findall(r"[a-z]+", re.sub(r"([a-z])([A-Z])", r"\1 \2", icon.type).lower()))
     return next((name for name, kind in KINDS.items() if kind.words & words), None)
 
@@ -161,10 +161,10 @@ def category_of(icon: IconBox) -> str | None:
 def objects(
     house: House, sides: Iterable[Side], polygons: Mapping[str, BaseGeometry]
 ) -> list[MeshPart]:
-    """Return a part ``{room}/object/{category}`` of each icon that says a known thing.
+    """Return a part ``{room}/object/{category}`` for each icon of a known kind.
 
-    `sides` are the faces of all rooms' walls, `polygons` the rooms' plan areas by id. A thing off
-    its room is left out, with a warning in the log.
+    `sides` are the faces of all rooms' walls, `polygons` the rooms' plan areas by id. An icon that
+    is not in a room is left out, with a warning in the log.
     """
     faces = list(sides)
     parts = []
@@ -213,9 +213,9 @@ def _placed(
 
 
 def _wall_of(area: Polygon, sides: list[Side], *, along: bool) -> Frame:
-    """Return the face that an icon stands at; its own longer side where no wall is near.
+    """Return the wall face nearest to an icon, or a face along its longer side if none is near.
 
-    Of walls about as near, one along the icon's longer side where `along`, else across it.
+    Of walls about as near, prefer one along the icon's longer side if `along`, else across it.
     """
     x0, z0, x1, z1 = area.bounds
 
@@ -242,7 +242,7 @@ def _extent(area: Polygon, frame: Frame) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _free_depth(frame: Frame, polygon: BaseGeometry, s: float) -> float:
-    """Return how far the room goes on in front of a place of a wall, at least a hand, metres."""
+    """Return how deep the room is in front of a point `s` of a wall, metres, from 0.1 to 1."""
     reach = 0.1
     while reach < 1.0 and polygon.contains(Point(*frame.plan(s, OFF + reach + 0.02))):
         reach += 0.02

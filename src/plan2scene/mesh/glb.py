@@ -1,13 +1,13 @@
 """glTF 2.0 binary by trimesh's exporter: every part a named node, textures embedded, lamps, a sun.
 
-By hand is only what the exporter has no argument for, in `_finish` and `_File`: sampler, names,
-kinds of buffers, colours that are not rounded to bytes, equal tiles once, PNG files as they are.
+`_finish` and `_File` do only what the exporter has no argument for: sampler, names, kinds of
+buffers, colours that are not rounded to bytes, one copy of equal tiles, PNG files as they are.
 
-Lamps and the sun are KHR_lights_punctual. A viewer shows 1 candela at 1 m as it would at night,
-without adapting as eyes do, so that lamps as bright as real ones would burn every surface out.
-Their light is scaled: lamps add `Lights.lamp_lux` to a floor and the sun `Lights.sun_lux` to what a
-viewer's own surroundings give, about pi lux. Most viewers cast no shadows: lamps are cones that
-look down and end where their room ends.
+Lamps and the sun are KHR_lights_punctual. Viewers do not adapt to brightness as eyes do, so lamps
+as bright as real ones would burn out every surface. Their light is scaled: a viewer's own
+environment light gives about pi lux, to which a lamp adds `Lights.lamp_lux` on a floor and the sun
+`Lights.sun_lux`. Most viewers cast no shadows, so lamps are cones that look down and end where
+their room ends.
 """
 
 from __future__ import annotations
@@ -36,12 +36,12 @@ from plan2scene.mesh.relief import normal_map, tangents
 from plan2scene.mesh.texture_files import UNTEXTURED, TileTexture
 from plan2scene.plans.geometry import room_polygon
 
-#: Kinds of buffers; repeating, trilinear (the numbers are OpenGL's).
+#: Kinds of buffers, and the sampler of tiles: repeating, trilinear (the numbers are OpenGL's).
 _VERTICES, _INDICES = 34962, 34963
 _SAMPLER = {"magFilter": 9729, "minFilter": 9987, "wrapS": 10497, "wrapT": 10497}
-#: Of the occlusion: linear, clamped; in smaller copies its parts would run together.
+#: Sampler of the occlusion: linear, clamped, without mipmaps, in which its parts would mix.
 _PLAIN_SAMPLER = {"magFilter": 9729, "minFilter": 9729, "wrapS": 33071, "wrapT": 33071}
-#: Roughness by substance: what is waxed or glazed shines a little.
+#: Roughness by substance: waxed or glazed surfaces shine a little.
 ROUGHNESS = {"wood": 0.6, "tile": 0.4, "plaster": 0.95, "carpet": 1.0}
 #: Frame above the house's node; no id has a slash. The exporter leaves it out of the file.
 _WORLD = "/"
@@ -60,7 +60,7 @@ def write_glb(
 
     PBR metallic 0, roughness by substance; ambient occlusion of textured surfaces on TEXCOORD_1;
     a lamp in each room and a sun. Surfaces without a texture get a plain colour. `parts` are those
-    of :func:`~plan2scene.mesh.assembly.assemble`, when at hand. `unlit` shows colours as they
+    of :func:`~plan2scene.mesh.assembly.assemble`, if already made. `unlit` shows colours as they
     are (KHR_materials_unlit), without occlusion and lamps; `relief` gives surfaces normal maps
     (:mod:`plan2scene.mesh.relief`). The same input gives the same bytes.
     """
@@ -125,7 +125,7 @@ class _File:
         self.format = "PNG" if data.startswith(b"\x89PNG") else "JPEG"
 
     def __array__(self, *_: object, **__: object) -> np.ndarray:
-        """Return the bytes, which trimesh tells materials apart by."""
+        """Return the bytes: trimesh compares materials by them."""
         return np.frombuffer(self.data, dtype=np.uint8)
 
     def save(self, file: BinaryIO, format: str) -> None:
@@ -163,7 +163,7 @@ def _textured(
 ) -> trimesh.Trimesh:
     """Return a part's mesh with its material, texture coordinates in tiles, linear colours.
 
-    `second` are the coordinates in the occlusion.
+    `second` are the texture coordinates in the occlusion.
     """
     uv = None
     if part.uv is not None and tile is not None:
@@ -213,7 +213,7 @@ def _finish(
         del mesh["extras"]
         primitive = mesh["primitives"][0]
         attributes = primitive["attributes"]
-        # trimesh's own colours are bytes, too coarse when linear; it knows one UV, no tangents.
+        # trimesh writes colours as bytes, too coarse if linear, and one UV set, and no tangents.
         for name in sorted(attributes.keys() & {"_COLOR_0", "_TANGENT", "_TEXCOORD_1"}):
             attributes[name[1:]] = attributes.pop(name)
         for target, used in (_VERTICES, attributes.values()), (_INDICES, [primitive["indices"]]):
@@ -230,7 +230,7 @@ def _finish(
 
 
 def _join_images(tree: dict[str, Any], factors: Mapping[str, list[float]]) -> None:
-    """Set plain colours, and let textures of equal files share one image, in place."""
+    """Set plain colours, and make textures of equal files share one image, in place."""
     images: dict[int, dict[str, Any]] = {}  # by buffer view: equal files share one
     textures: list[dict[str, int]] = []
 
@@ -267,17 +267,17 @@ class Lights:
     """Light of lamps and of the sun; angles in radians."""
 
     lamp_lux: float = 0.8  #: mean light of a lamp on its room's floor
-    sun_lux: float = 0.6  #: light of the sun on what faces it
+    sun_lux: float = 0.6  #: light of the sun on a surface that faces it
     sun: tuple[float, float, float] = (1.0, 0.97, 0.9)  #: its colour, linear RGB
-    to_sun: tuple[float, float, float] = (-0.45, 0.78, 0.43)  #: from the upper west and south
-    whole: float = math.radians(35.0)  #: half angle of a lamp's cone in which its light is whole
+    to_sun: tuple[float, float, float] = (-0.45, 0.78, 0.43)  #: direction: high, south-west
+    whole: float = math.radians(35.0)  #: half angle of the inner cone, of a lamp's full intensity
     cone: float = math.radians(82.0)  #: half angle of a lamp's cone
 
 
 LIGHTS = Lights()
 
 
-#: The lights' own way is along -z.
+#: A glTF light shines along the -z axis of its node.
 _AHEAD = np.array([0.0, 0.0, -1.0])
 _DECIMALS = 5
 
@@ -295,7 +295,7 @@ def add_lights(tree: dict[str, Any], house: House) -> None:
     lights.append({**sun, "name": "sun"})
     points = np.array([point for room in house.rooms for point in room.rings[0]])
     x, z = (points.min(axis=0) + points.max(axis=0)) / 2
-    over = np.array([x, 0.0, z]) + 10.0 * np.array(LIGHTS.to_sun)  # where programs draw it
+    over = np.array([x, 0.0, z]) + 10.0 * np.array(LIGHTS.to_sun)  # where programs draw the sun
     nodes.append(_node("sun", over, -np.array(LIGHTS.to_sun)))
     nodes[-1]["extras"] = {"kind": "sun"}
     for number, node in enumerate(nodes):
@@ -309,9 +309,9 @@ def add_lights(tree: dict[str, Any], house: House) -> None:
 
 
 def _lamp(room: Room) -> dict[str, Any]:
-    """Return the light of a room: its floor gets `LIGHTS.lamp_lux` in the mean.
+    """Return the lamp of a room: the mean light on the floor is `LIGHTS.lamp_lux`.
 
-    As if the floor were a disk and the lamp, as bright each way, above its middle.
+    It is computed for a disk of the floor's area below a lamp that is equally bright each way.
     """
     polygon = room_polygon(room)
     height = max(room.height - LAMP_DROP_M, 0.5)
@@ -329,7 +329,7 @@ def _lamp(room: Room) -> dict[str, Any]:
 
 
 def _node(name: str, place: np.ndarray, way: ArrayLike) -> dict[str, Any]:
-    """Return the node of a light at a place that shines along a way, (3,) both."""
+    """Return the node of a light at `place` that shines along `way`, both (3,)."""
     along = np.asarray(way, dtype=np.float64)
     along = along / np.linalg.norm(along)
     turn = np.append(np.cross(_AHEAD, along), 1.0 + _AHEAD @ along)  # half way between both

@@ -32,7 +32,7 @@ LEAF_COLOUR: Colour = (236, 232, 224)
 PANEL_SHADE = 0.955
 METAL_COLOUR: Colour = (150, 150, 152)
 LINING_COLOUR: Colour = (238, 235, 229)
-#: Types of rooms from which one sees a balcony or terrace through its door.
+#: Rooms of these types have doors of glass to a balcony or terrace.
 GLAZED = frozenset({"Reception", "Bedroom", "Kitchen"})
 
 
@@ -40,16 +40,16 @@ GLAZED = frozenset({"Reception", "Bedroom", "Kitchen"})
 class JoinerySizes:
     """Sizes of ordinary joinery, metres; angles in radians."""
 
-    ajar: float = math.radians(40.0)  #: angle that inner doors stand open: one sees through
+    ajar: float = math.radians(40.0)  #: inner doors are open by this angle: one sees through
     frame: float = 0.05  #: width of a frame
     leaf: float = 0.04  #: thickness of a leaf
     two_leaves: float = 1.25  #: wider doors have two leaves
-    sections: float = 2.2  #: wider doors to the outside are a garage's
-    section: float = 0.5  #: height of one of its sections, about
-    pane: float = 0.9  #: a window has a mullion about every so many metres
+    sections: float = 2.2  #: wider doors to the outside are garage doors, unless of glass
+    section: float = 0.5  #: approximate height of a section of a garage door
+    pane: float = 0.9  #: approximate distance of a window's mullions
     proud: float = 0.012  #: frames stand out of the wall by this much
-    least_depth: float = 0.09  #: of a frame, also where the wall has no thickness
-    low_sill: float = 0.3  #: lower windows reach the floor: no sill board, no upper lights
+    least_depth: float = 0.09  #: least depth of a frame, also if the wall has no thickness
+    low_sill: float = 0.3  #: windows with a sill below this have no sill board, no upper lights
 
 
 JOINERY = JoinerySizes()
@@ -64,7 +64,7 @@ class Veneer:
 
     streak: tuple[float, float] = (0.003, 0.014)  #: width, metres
     contrast: float = 0.07  #: standard deviation of a streak's log reflectance
-    figure: float = 0.05  #: the same of the broad figure behind the streaks
+    figure: float = 0.05  #: amplitude of the broad figure behind the streaks, log reflectance
 
 
 VENEER = Veneer()
@@ -82,8 +82,9 @@ def fixtures(
     """Return the parts of a door, window or passage (none when it is under 15 cm wide or high).
 
     `leaf` is the colour of a door's leaves, `trim` that of frames and linings. Leaves open into the
-    portal's room where `inwards`, else into the other. A window is a `hatch` between two rooms: a
-    lining and a board, no glass. A `glazed` door is shut. A passage up to the ceiling has nothing.
+    portal's room if `inwards`, else into the other. A `hatch` is a window between two rooms: lining
+    and board, no glass. A `glazed` door is built as a window, shut. A passage up to the ceiling has
+    no parts.
     """
     hole = portal.hole
     if hole.right - hole.left < 0.15 or hole.top - hole.bottom < 0.15:
@@ -96,16 +97,17 @@ def fixtures(
 
 
 def is_hatch(portal: Portal, indoors: Collection[str]) -> bool:
-    """Return whether an opening is a window between two rooms, `indoors` by their ids."""
+    """Return whether an opening is a window between two rooms that are `indoors` (ids)."""
     window = portal.hole.opening.kind == "window"
     return window and portal.side.room_id in indoors and portal.other in indoors
 
 
 def is_glazed(portal: Portal, rooms: Mapping[str, Room]) -> bool:
-    """Return whether a door of one of the `rooms` is of glass.
+    """Return whether a door of one of the `rooms` (by id) is of glass.
 
-    It is from a room that is lived in to a balcony or terrace; to the outside with two leaves from
-    such a room or a terrace, and from any room but a garage where it is wider: it slides.
+    It is if it joins a room of a `GLAZED` type and one in the open air. A door to the outside is if
+    it has two leaves and its room is `GLAZED` or in the open air, or if it is wider than
+    `JOINERY.sections` (it slides) and its room is no garage.
     """
     if portal.hole.opening.kind != "door":
         return False
@@ -121,13 +123,13 @@ def is_glazed(portal: Portal, rooms: Mapping[str, Room]) -> bool:
 def _centre(portal: Portal) -> np.ndarray:
     """Return the (4, 3) box frame at the hole's left edge, in the middle of the wall's depth.
 
-    The far edge may stand askew: the frame follows the owner's side.
+    The far edge may be askew; the frame is parallel to the owner's side.
     """
     return portal.side.frame.axes(portal.hole.left, -portal.depth / 2)
 
 
 def _depth(portal: Portal) -> float:
-    """Return how far a frame reaches to both sides of the middle of the wall."""
+    """Return how far a frame reaches to either side of the middle of the wall, metres."""
     return max(portal.depth / 2 + JOINERY.proud, JOINERY.least_depth / 2)
 
 
@@ -211,7 +213,7 @@ def _leaf(
 ) -> None:
     """Add a door leaf hinged at `hinge` metres.
 
-    `turn` is +1 when it extends to the right, and +1 when it opens into the portal's room, else -1.
+    `turn` is two signs: +1 if the leaf extends to the right, +1 if it opens into the portal's room.
     `size` is (width, bottom, top). Doors to the outside are shut.
     """
     width, low, high = size
@@ -259,7 +261,7 @@ def _panels(
 def _veneer(
     builder: PartBuilder, frame: np.ndarray, size: tuple[float, float, float], colour: Colour
 ) -> None:
-    """Add a flush leaf of (width, bottom, top) whose grain is streaks of other brightness."""
+    """Add a flush leaf of (width, bottom, top) with a grain of lighter and darker streaks."""
     width, low, high = size
     rng = generator(0, "veneer", *colour, *(round(value, 3) for value in size))
     edges = np.cumsum(rng.uniform(*VENEER.streak, math.ceil(width / VENEER.streak[0])))
@@ -295,7 +297,7 @@ def _window(portal: Portal, colour: Colour, *, hatch: bool) -> list[MeshPart]:
     for k in range(1, count):
         s = width * k / count
         builder.box(frame, (s - bar / 2, low + bar, -0.03), (s + bar / 2, high - bar, 0.03), colour)
-    if high - low > 1.6 and low > JOINERY.low_sill:  # a tall window has its upper lights apart
+    if high - low > 1.6 and low > JOINERY.low_sill:  # a bar below the upper lights of a tall window
         y = high - 0.25 * (high - low)
         builder.box(frame, (bar, y - bar / 2, -0.025), (width - bar, y + bar / 2, 0.025), colour)
     (x0, y0), (x1, y1) = (bar, low + bar), (width - bar, high - bar)

@@ -30,8 +30,8 @@ GRID_DECIMALS = 5
 class MeshPart:
     """One named node of the house with one material.
 
-    The mesh is in metres: n vertices, not shared between faces of different planes, with their unit
-    normals; faces counter-clockwise seen from the visible side.
+    The mesh is in metres. It has n vertices with unit normals, not shared between faces of
+    different planes. Faces are counter-clockwise seen from the visible side.
     """
 
     name: str  #: ``{room}/floor``, ``{room}/wall/{wall}``, ``structure/wall/{wall}`` ...
@@ -45,13 +45,13 @@ class MeshPart:
     extras: Mapping[str, object] = field(default_factory=dict)
 
     def uv_to_world(self) -> np.ndarray:
-        """Return (3, 3) float64 that takes rows (u, v, 1) on a flat part to the world, metres."""
+        """Return the (3, 3) float64 matrix that maps rows (u, v, 1) on a flat part to the world."""
         known = np.column_stack([np.asarray(self.uv), np.ones(len(self.mesh.vertices))])
         return np.asarray(np.linalg.lstsq(known, self.mesh.vertices, rcond=None)[0])
 
 
 def numbered(names: Iterable[str]) -> list[str]:
-    """Return names with ``#2``, ``#3`` ... after one that was there before."""
+    """Return unique names: a repeated one gets ``#2``, ``#3`` ... at its end."""
     seen: Counter[str] = Counter()
     result = []
     for name in names:
@@ -63,8 +63,8 @@ def numbered(names: Iterable[str]) -> list[str]:
 def flat_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Return (n, 3) unit vertex normals of a mesh whose faces share vertices only in a plane.
 
-    Weighted by area, unlike trimesh's own, so that a sliver's direction carries no weight; up
-    where there is no area.
+    Faces are weighted by area, unlike in trimesh, so that slivers do not count. A vertex whose
+    faces have no area gets the normal (0, 1, 0).
     """
     cross = trimesh.triangles.cross(vertices[faces])
     normals = trimesh.geometry.mean_vertex_normals(len(vertices), faces, cross)
@@ -92,7 +92,7 @@ class PartBuilder:
     ) -> None:
         """Add a flat mesh: (n, 3) vertices, (m, 3) faces, optionally (n, 2) UVs in metres.
 
-        One colour, or (n, 3) uint8.
+        `colour` is one for all vertices, or (n, 3) uint8.
         """
         if len(faces) == 0:
             return
@@ -105,7 +105,7 @@ class PartBuilder:
     def level(
         self, area: BaseGeometry, y: float, *, up: bool = True, colour: Colour = WHITE
     ) -> None:
-        """Add a polygon of the plan at height `y` that looks up or down; UV = (x, z) in metres."""
+        """Add a plan polygon at height `y` that faces up or down; UV = (x, z) in metres."""
         points, faces = triangulate(area)
         turned = faces[:, ::-1] if up else faces
         self.mesh(np.insert(points, 1, y, axis=1), turned, colour=colour, uv=points)

@@ -34,9 +34,9 @@ def triangulate(geometry: BaseGeometry) -> tuple[np.ndarray, np.ndarray]:
     points, faces, count = [np.zeros((0, 2))], [np.zeros((0, 3), dtype=np.int64)], 0
     for polygon in polygons_of(geometry):
         corners, index = triangulate_polygon(orient(polygon), engine="earcut")
-        unique, inverse = unique_rows(corners, keep_order=True)  # rings come closed
+        unique, inverse = unique_rows(corners, keep_order=True)  # a ring repeats its first point
         corners, index = corners[unique], inverse[index]
-        # Of the triangles: positive where counter-clockwise.
+        # Signed areas of the triangles: positive if counter-clockwise.
         areas = cross(np.pad(corners, ((0, 0), (0, 1)))[index])[:, 2] / 2
         total = float(np.abs(areas).sum())
         if abs(total - polygon.area) > AREA_TOLERANCE * max(polygon.area, 1e-3):

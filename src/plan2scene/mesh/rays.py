@@ -1,4 +1,4 @@
-"""Rays against a house, by Embree; glass lets them through."""
+"""Ray casting against a house with Embree; rays pass through glass."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Rays:
 
     @classmethod
     def of(cls, parts: Sequence[MeshPart]) -> Rays | None:
-        """Return the opaque ones among parts; None, with a warning, without a ray tracer."""
+        """Return rays against the opaque parts; None, with a warning, without a ray tracer."""
         try:
             return cls([part for part in parts if part.material != "glass"])
         except ImportError:
@@ -40,7 +40,7 @@ class Rays:
             return None
 
     def distances(self, origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
-        """Return how far rays (n, 3) go before they hit something, (n,) metres (large: never)."""
+        """Return the distances (n,), metres, at which rays (n, 3) hit something; large if never."""
         ends = origins.astype(np.float32), directions.astype(np.float32)
         return np.asarray(self._scene.run(*ends, query="DISTANCE"))
 
@@ -62,9 +62,9 @@ class Rays:
 
 
 def hemisphere(normal: np.ndarray, count: int, shift: float = 0.0) -> np.ndarray:
-    """Return unit directions about a normal, (count, 3), dense as the cosine (Malley's way).
+    """Return unit directions about a normal, (count, 3), of cosine density (Malley's method).
 
-    They lie on a spiral, `shift` (-.5 to .5) steps along it: others for another shift.
+    They lie on a spiral. `shift` (-.5 to .5) moves them along it by this share of a step.
     """
     number = np.arange(count) + shift
     radius = np.sqrt((number + 0.5) / count)

@@ -1,9 +1,9 @@
 """Normal maps of surfaces whose texture shows relief: joints, boards, pile.
 
-What is darker than its surroundings counts as deeper, as gaps and the shade between fibres are; of
-tiles what is narrow, light or dark: their joints. How steep it gets depends on the substance and
-on how much the texture varies; the printed colours of a pattern can't be told from relief, so
-slopes stay small.
+Pixels darker than their surroundings count as deeper: gaps, and the shade between fibres. On tiles
+the narrow structures count as deeper, light or dark: they are joints. Slopes depend on the
+substance and on the contrast of the texture. They stay small, because a printed pattern cannot be
+told from relief.
 """
 
 from __future__ import annotations
@@ -22,19 +22,19 @@ from plan2scene.mesh.texture_files import TileTexture
 
 @dataclass(frozen=True)
 class ReliefSettings:
-    """How steep relief gets: little, as a printed pattern cannot be told from relief."""
+    """How steep relief gets, and the size of normal maps."""
 
     slopes: Mapping[str, float] = field(  #: root mean square, by substance
         default_factory=lambda: {"tile": 0.10, "wood": 0.07, "carpet": 0.14, "plaster": 0.06}
     )
-    px_per_m: float = 128.0  #: of a normal map, at most
-    least_contrast: float = 0.012  #: root mean square of fine luma in [0, 1]: below, nothing shows
-    whole_contrast: float = 0.05  #: from here on slopes are whole
-    fine_m: float = 0.006  #: sigmas between which luma is fine
+    px_per_m: float = 128.0  #: largest resolution of a normal map
+    least_contrast: float = 0.012  #: no map if the deviation of fine luma in [0, 1] is smaller
+    whole_contrast: float = 0.05  #: below this deviation slopes are reduced in proportion
+    fine_m: float = 0.006  #: fine luma is a difference of Gaussians of sigmas `fine_m`, `coarse_m`
     coarse_m: float = 0.06
-    steepest: float = 0.5  #: slope, so that no pixel glints
+    steepest: float = 0.5  #: largest slope, so that no pixel glints
     quality: int = 85  #: of JPEG
-    border_px: int = 24  #: around, at most: a normal map repeats where its texture does
+    border_px: int = 24  #: largest padding before the blur: a repeating texture is wrapped
 
 
 SETTINGS = ReliefSettings()
@@ -62,7 +62,7 @@ def normal_map(tile: TileTexture) -> bytes | None:
     contrast = float(fine.std())
     if contrast < SETTINGS.least_contrast:
         return None
-    if tile.substance == "tile" and (fine**3).mean() > 0:  # joints are lighter than tiles, here
+    if tile.substance == "tile" and (fine**3).mean() > 0:  # here joints are lighter than tiles
         fine = -fine
     beyond = np.pad(fine, 1, mode=mode)
     down = (beyond[2:, 1:-1] - beyond[:-2, 1:-1]) / 2
@@ -92,7 +92,7 @@ def tangents(part: MeshPart) -> np.ndarray:
 
 
 def _fine(luma: np.ndarray, px_per_m: float, mode: _Border) -> np.ndarray:
-    """Return what of a luma (h, w) varies at the scales of joints and grain."""
+    """Return the part of a luma (h, w) that varies at the scales of joints and grain."""
     border = min(SETTINGS.border_px, *(side - 1 for side in luma.shape))
     grown = np.pad(luma, border, mode=mode)
     near, far = (

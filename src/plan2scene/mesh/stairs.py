@@ -31,19 +31,19 @@ class RailingSizes:
     bar: float = 0.014
     rail: float = 0.035
     gap: float = 0.11
-    bay: float = 1.2  #: a post about every so many metres
-    beside_wall: float = 0.1  #: an edge of a well this near to a wall needs none
-    shortest: float = 0.2  #: nor does a shorter piece
+    bay: float = 1.2  #: approximate distance of posts
+    beside_wall: float = 0.1  #: an edge of a well this near to a wall has no railing
+    shortest: float = 0.2  #: shorter pieces of a railing are left out
 
 
 @dataclass(frozen=True)
 class StairSizes:
     """Ordinary sizes of stairs, metres."""
 
-    waist: float = 0.1  #: of a step's body below its foot
-    handrail: float = 0.9  #: above the edges of the steps
-    handrail_in: float = 0.075  #: from the side of the flight
-    proud: float = 0.002  #: a railing stands out of its well, clear of a flight that goes on up
+    waist: float = 0.1  #: a step's body reaches this far below the step before it
+    handrail: float = 0.9  #: height of the rail above the edges of the steps
+    handrail_in: float = 0.075  #: distance of the rail from the side of the flight
+    proud: float = 0.002  #: a railing is moved out of its well, clear of a flight that goes on up
 
 
 RAILING, STAIRS = RailingSizes(), StairSizes()
@@ -80,7 +80,7 @@ def add_railing(builder: PartBuilder, frame: Frame, top: float = RAILING.height)
 
 
 def stair_parts(house: House, stairs: Iterable[Stairs]) -> list[MeshPart]:
-    """Return the steps of flights and the sides of their wells, floors of their level at 0."""
+    """Return the steps of flights and the sides of their wells; y is 0 on their level's floors."""
     parts = []
     colours = dict(house.stair_colours)
     for flight in stairs:
@@ -94,7 +94,7 @@ def stair_parts(house: House, stairs: Iterable[Stairs]) -> list[MeshPart]:
 
 
 def step_areas(stairs: Stairs, rise: float) -> Iterator[tuple[Polygon, float, float]]:
-    """Yield the plan area (x, z) of each step with its lowest and highest height, from the foot."""
+    """Yield the plan area (x, z), lowest and highest height of each step, starting at the foot."""
     start, end = np.array(stairs.start), np.array(stairs.end)
     up = (end - start) / stairs.length
     side = np.array([up[1], -up[0]]) * stairs.width / 2
@@ -106,7 +106,7 @@ def step_areas(stairs: Stairs, rise: float) -> Iterator[tuple[Polygon, float, fl
 
 
 def _axes(stairs: Stairs) -> np.ndarray:
-    """Return the (4, 3) box frame of a flight: ahead, up, to its side; the middle of its foot."""
+    """Return a flight's (4, 3) box frame: axes ahead, up, sideways; origin mid-foot."""
     (x, z), (dx, dz) = stairs.start, np.subtract(stairs.end, stairs.start) / stairs.length
     return np.array([[dx, 0.0, dz], [0.0, 1.0, 0.0], [-dz, 0.0, dx], [x, 0.0, z]])
 
@@ -127,7 +127,7 @@ def _steps(stairs: Stairs, rise: float, colour: Colour) -> MeshPart:
 
 
 def handrails(house: House, storey: House, stairs: Iterable[Stairs]) -> list[MeshPart]:
-    """Return the parts ``{room}/handrail/{id}`` on the sides of flights that no wall is along.
+    """Return the parts ``{room}/handrail/{id}`` on sides of flights without a wall along them.
 
     `storey` has the rooms of the flights' level alone.
     """
@@ -192,7 +192,7 @@ def _lining(stairs: Stairs, low: float, high: float) -> MeshPart:
 
 
 def _edges(stairs: Stairs) -> list[Frame]:
-    """Return the foot, the two sides and the head of a flight's strip, seen from outside it."""
+    """Return the faces of a flight's strip seen from outside: foot, two sides, head."""
     ring = np.asarray(flight_area(stairs).exterior.coords)
     middle = ring[:4].mean(axis=0)
     frames = []
@@ -209,8 +209,8 @@ def well_railings(
 ) -> list[MeshPart]:
     """Return the parts ``{room}/railing/{id}`` around the wells in the floors of a level's rooms.
 
-    None at the head of an `arriving` flight (one that comes up to the level), nor along walls, nor
-    where a `leaving` flight goes on up.
+    There is no railing at the head of an `arriving` flight (one that comes up to the level), along
+    walls, or where a `leaving` flight goes on up.
     """
     if not arriving:
         return []

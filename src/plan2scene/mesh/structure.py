@@ -1,9 +1,9 @@
 """Floors, ceilings and walls: the surfaces that rooms see, and what stands between and around them.
 
-The faces that rooms see are textured and exact (length x height less openings). The body is
-what a plan draws black: each wall's band behind its face, as far as no room is there; it has
-outer faces, a cap above the ceiling line and the reveals of openings, in plain colours. Skirting
-boards run along the foot of a room's walls.
+The faces that rooms see are textured and exact (length x height less openings). The body of a wall
+is what a plan draws black: the band behind its face, less all rooms. It has outer faces, a cap
+above the ceiling line and the reveals of openings, in plain colours. Skirting boards run along the
+foot of a room's walls.
 """
 
 from __future__ import annotations
@@ -37,18 +37,18 @@ from plan2scene.plans.wall_sides import (
 
 CAP_COLOUR: Colour = (74, 72, 70)
 REVEAL_COLOUR: Colour = (238, 235, 229)
-#: Slivers narrower than twice this between a room and a wall's band are no body, metres.
+#: Slivers narrower than twice this are left out of bodies, metres.
 SLIVER = 1e-4
-#: Edges this near to a room or another body are inside the wall, metres (rounding only: more
+#: Edges this near to a room or another body get no outer face, metres (rounding only: more
 #: would leave cracks between the faces of two bodies).
 TOUCH = 5e-6
-#: Outer faces of a storey begin so far below its floor, metres, and caps of the walls below them
-#: end so far behind: their dark colour does not shine through where depths are coarse.
+#: Outer faces of an upper storey begin this far below its floor, metres, and the dark caps of the
+#: walls below end this far behind them: the caps do not shine through if depths are coarse.
 OVERLAP = 0.02
-#: Walls that stand out so far below those of the next level are a ledge in the colour of outer
-#: faces, not a dark line, metres: traced storeys are not of one size.
+#: If a wall stands out by up to this, metres, from the walls of the next level, its top is a ledge
+#: in the colour of outer faces, not a dark line: traced storeys differ in size.
 LEDGE = 0.3
-GRID = 1e-6  #: Bodies lie on this grid, metres: bands that end on one line do so exactly
+GRID = 1e-6  #: Bodies lie on this grid, metres, so that bands that end on one line do so exactly
 
 
 @dataclass(frozen=True)
@@ -96,8 +96,8 @@ class Body:
 def wall_bodies(sides: list[Side], rooms: BaseGeometry) -> list[Body]:
     """Return the body of each wall: its band behind the face, less all rooms and earlier bodies.
 
-    Bands go on by their depth at both ends, which fills the corners. Walls of one room come
-    first; where rooms touch there is no body and only a cap as wide as the wall marks it.
+    Bands are longer by their depth at both ends, which fills the corners. Walls of one room come
+    first. Where rooms touch there is no body, only a cap as wide as the wall.
     """
     first: dict[str, Side] = {}
     for side in sides:
@@ -137,7 +137,7 @@ def structure_part(
 ) -> MeshPart | None:
     """Return the part ``structure/wall/{wall}``: outer faces, cap, reveals of the wall's holes.
 
-    Outer faces begin at height `low`. Below another level's rooms it goes on up to their floors.
+    Outer faces begin at height `low`. Below rooms of another level the body goes up to their floor.
     """
     wall = body.side.wall
     others = unary_union(
@@ -148,7 +148,7 @@ def structure_part(
     for frame in _free_edges(body.area, hidden):
         _outer_face(builder, frame, (low, wall.height), portals)
     top = wall.height + max(wall.extra_height, 0.0)
-    # The body's begins a little below the ceiling line, behind the lifted faces: no crack there.
+    # The cap of the body begins a little below the ceiling line, behind the lifted faces: no crack.
     area, edge = body.area, body.cap.difference(body.area)
     if above is not None and above.rise > wall.height:
         area = _up_to(builder, above, area, wall)
@@ -190,7 +190,7 @@ def _full_openings(portals: list[Portal]) -> BaseGeometry:
 
 
 def _up_to(builder: PartBuilder, above: Above, area: BaseGeometry, wall: Wall) -> BaseGeometry:
-    """Add what of a body goes on up to the next level; return the plan area that is left."""
+    """Add the part of a body that goes up to the next level; return the plan area of the rest."""
     under = above.rooms.buffer(wall.depth + TOUCH, join_style="mitre")
     inner = above.rooms.buffer(wall.depth - OVERLAP, join_style="mitre")
     band, high = area.intersection(under), above.rise - OVERLAP / 2
@@ -219,7 +219,7 @@ def _edges(geometry: BaseGeometry) -> list[tuple[np.ndarray, np.ndarray, np.ndar
 def _free_edges(area: BaseGeometry, hidden: BaseGeometry) -> list[Frame]:
     """Return the parts of an area's edges outside `hidden`, as faces that look outward.
 
-    Each goes on by `LIFT` at both ends, so that neighbours overlap instead of leaving a crack.
+    Each is longer by `LIFT` at both ends, so that neighbours overlap instead of leaving a crack.
     """
     frames = []
     for start, end, normal in _edges(area):
@@ -256,7 +256,7 @@ def _prism(
     top: BaseGeometry | None = None,
     colour: Colour = CAP_COLOUR,
 ) -> None:
-    """Add the sides of an upright prism in a colour, and its top, all of it where not given."""
+    """Add the sides of an upright prism in a colour, and a cap over `top` (by default `area`)."""
     builder.level(area if top is None else top, high, colour=CAP_COLOUR)
     if high - low < 1e-6:
         return
@@ -284,8 +284,8 @@ def flat_parts(
 ) -> list[MeshPart]:
     """Return a room's floor (facing up, y = 0) and ceiling (facing down, y = height).
 
-    The floor is open where stairs come up (`well`), the ceiling where they go on; a room in the
-    open air has no ceiling. UV in metres: columns along +x, rows along +z.
+    The floor is open where stairs come up (`well`), the ceiling where they go up to `above`. A room
+    in the open air has no ceiling. UV in metres: columns along +x, rows along +z.
     """
     parts = []
     for surface, y in (("floor", 0.0), ("ceiling", room.height)):
@@ -314,7 +314,7 @@ def open_plate(
 def soffit(
     level: Level, rooms: BaseGeometry, bodies: list[Body], below: BaseGeometry
 ) -> list[MeshPart]:
-    """Return the part ``structure/soffit/{level}``: the underside of what juts out over a level.
+    """Return the part ``structure/soffit/{level}``: the underside where a level juts out.
 
     `rooms` and `bodies` are the level's, `below` the plan area of the rooms under it.
     """
@@ -337,14 +337,14 @@ class SkirtingSizes:
 
     height: float = 0.07
     depth: float = 0.014
-    frame: float = 0.012  #: a board ends so far beside a door, where its frame is
+    frame: float = 0.012  #: a board ends this far beside a hole: the frame is there
     shortest: float = 0.05  #: shorter pieces are left out
 
 
 SKIRTING = SkirtingSizes()
 
 
-#: Rooms of these types have tiles up to the wall, or are outside.
+#: Rooms of these types have no skirting: they have tiles up to the wall, or are outside.
 WITHOUT = {"Bathroom", "Outdoor", "Balcony", "Terrace", "Staircase"}
 
 

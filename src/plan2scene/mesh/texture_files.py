@@ -1,4 +1,4 @@
-"""Texture tiles of surfaces, with their metric size, as a stage left them in a folder."""
+"""Texture tiles of surfaces, with their metric size, read from the folder of a stage."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ class TileTexture:
     source: str = ""  #: where it comes from, in words
     #: where tile or map begins in a part's texture coordinates, metres
     origin_m: tuple[float, float] = (0.0, 0.0)
-    material: str = ""  #: name of what it shares with other rooms, or empty
+    material: str = ""  #: name of the material that it shares with other rooms, or empty
     crops: tuple[str, ...] = ()  #: ids of the crops that it was quilted from
-    #: of :mod:`plan2scene.textures.painted`; empty when unknown
+    #: how its look is known (:mod:`plan2scene.textures.painted`); empty when unknown
     evidence: Mapping[str, object] = field(default_factory=dict)
     jpeg: bytes = b""  #: the map, sRGB; empty for none
     extent_m: tuple[float, float] | None = None  #: metres that the map's width and height cover
@@ -61,12 +61,12 @@ class TileTexture:
         return hashlib.sha256(self.image).hexdigest()
 
     def turns(self, uv: np.ndarray) -> np.ndarray:
-        """Return texture coordinates (..., 2) in images, from metres."""
+        """Convert texture coordinates (..., 2) from metres to multiples of the image's sides."""
         return np.asarray((uv - np.array(self.origin_m)) / np.array(self.sides_m))
 
 
 def load_textures(folder: str | Path, house: House) -> dict[SurfaceKey, TileTexture]:
-    """Return the textures that a method left for a house (``textures.json``, tiles, maps).
+    """Return the textures that a method made for a house (``textures.json``, tiles, maps).
 
     A surface that ``maps.json`` lists gets its map. Those that ``textures.json`` does
     not list are left out, with a warning in the log. Raises InputError when ``textures.json`` is
@@ -100,10 +100,10 @@ def load_textures(folder: str | Path, house: House) -> dict[SurfaceKey, TileText
 
 
 def textured(folder: str | Path, house: House) -> tuple[House, dict[SurfaceKey, TileTexture]]:
-    """Return a house with what a folder knows of it, and all its textures.
+    """Return a house completed from a folder of textures, and all its textures.
 
-    That is the accent walls that it has textures of, the colours of door leaves and trim
-    (``doors.json``, ``trim.json``), and those of stairs. As :func:`load_textures`.
+    The house gets its accent walls (those with a texture), the colours of door leaves and trim
+    (``doors.json``, ``trim.json``) and of stairs. Raises as :func:`load_textures`.
     """
     entries = texture_index(folder, house)
     sides = (
@@ -119,9 +119,9 @@ def textured(folder: str | Path, house: House) -> tuple[House, dict[SurfaceKey, 
 def _stair_colours(
     house: House, textures: Mapping[SurfaceKey, TileTexture]
 ) -> Iterator[tuple[str, tuple[int, int, int]]]:
-    """Yield the sRGB colours of stairs by id: steps are of the floor that they lead to.
+    """Yield the sRGB colours of stairs by id: the mean of the floor that they lead to.
 
-    Of the one that they start from where photos show that alone.
+    If photos show only the floor that they start from, it is that floor's.
     """
     for flight in house.stairs:
         ends = (SurfaceKey(room, "floor") for room in reversed(flight.room_ids) if room)

@@ -1,12 +1,12 @@
 """COLOR, FREQ and TILE: the metrics of image pairs that need no network (paper section 6.2).
 
 COLOR : difference of HSL histograms of 10 x 3 x 3 bins.
-    Hue, lightness and saturation are worked out by the operations of ``colorsys`` in their order,
-    as in the reference: a colour on the edge of a bin falls where their rounding puts it.
+    Hue, lightness and saturation are computed by the operations of ``colorsys``, in the same order
+    as in the reference: their rounding decides the bin of a colour on the edge of two bins.
 FREQ : difference of radial amplitude spectra.
-TILE : how much an image's low frequencies betray a repeated tile.
+TILE : how strongly an image's low frequencies show that a tile repeats.
 
-Spectra of real images are kept as their first half (``rfft2``): the other half mirrors it.
+Only half of a real image's spectrum is kept (``rfft2``), because the other half mirrors it.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _TILE_SIGMA = 21.0  #: Standard deviation in frequency samples of TILE's window
 
 
 def _checked(*images: np.ndarray) -> None:
-    """Raise ValueError for what are no square (s, s, 3) uint8 images of one size."""
+    """Raise ValueError unless all are square (s, s, 3) uint8 images of one size."""
     for image in images:
         if image.dtype != np.uint8 or image.shape != (len(images[0]), len(images[0]), 3):
             found = f"{image.shape} {image.dtype}"
@@ -36,7 +36,7 @@ def _checked(*images: np.ndarray) -> None:
 def grey(image: np.ndarray) -> np.ndarray:
     """Return (h, w) float64 luma 0..255 of an (h, w, 3) uint8 sRGB image.
 
-    Rounded to integers with Pillow's fixed-point weights (ITU-R BT.601), as the reference does:
+    It is rounded to integers with Pillow's fixed-point weights (ITU-R BT.601), as in the reference:
     the third decimal of FREQ depends on it.
     """
     # Products and sums stay below 2^24 / 65536 in steps of 1 / 65536: exact in float32.
@@ -71,7 +71,7 @@ def color_histogram(image: np.ndarray) -> np.ndarray:
 def color_distance(prediction: np.ndarray, reference: np.ndarray) -> float:
     """Return COLOR in [0, 1] of two (s, s, 3) uint8 sRGB images; 0 is best.
 
-    L1 difference of the HSL histograms over twice the number of pixels.
+    It is the L1 difference of the HSL histograms, divided by twice the number of pixels.
     """
     _checked(prediction, reference)
     first, second = color_histogram(prediction), color_histogram(reference)
@@ -82,10 +82,10 @@ def color_distance(prediction: np.ndarray, reference: np.ndarray) -> float:
 def _border_factors(size: int) -> tuple[np.ndarray, np.ndarray]:
     """Return two (size, size // 2 + 1) complex factors of the smooth image's half spectrum.
 
-    For the jumps d between the last and the first row, and for those between columns. As an
-    image, d on the first row and -d on the last, their spectrum is that of d times
-    ``1 - exp(2 pi i k / size)``; the smooth image solves the periodic Poisson equation for it: a
-    division by the Laplacian's eigenvalues.
+    The first is for the jumps d between the last and the first row, the second for those between
+    columns. An image with d in its first row and -d in its last has the spectrum of d times
+    ``1 - exp(2 pi i k / size)``. The smooth image solves the periodic Poisson equation for that
+    image, so its spectrum is divided by the Laplacian's eigenvalues.
     """
     turn = 2.0 * np.pi * np.arange(size) / size
     wave, step = 2.0 * np.cos(turn), 1.0 - np.exp(1j * turn)
@@ -97,7 +97,7 @@ def _border_factors(size: int) -> tuple[np.ndarray, np.ndarray]:
 
 @cache
 def _rings(size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return integer radii of a flat half spectrum, how often each value counts, and ring sizes.
+    """Return a flat half spectrum's integer radii, how often each value counts, and ring sizes.
 
     Radii from ``size // 2`` on are beyond the profile and share the last ring.
     """
@@ -116,7 +116,7 @@ def _rings(size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def periodic_component(image: np.ndarray) -> np.ndarray:
     """Return the periodic component of an (s, s) float64 image (Moisan 2011).
 
-    The image minus the smooth image that carries the jumps between opposite borders.
+    It is the image minus the smooth image that has the jumps between opposite borders.
     """
     rows, columns = _border_factors(len(image))
     smooth = rows * fft.rfft(image[-1] - image[0])
@@ -127,13 +127,13 @@ def periodic_component(image: np.ndarray) -> np.ndarray:
 def frequency_profile(image: np.ndarray) -> np.ndarray:
     """Return (s // 2,) mean spectral amplitudes by integer radius of an (s, s, 3) uint8 image.
 
-    Grey values 0..255, amplitude over the number of pixels, the zero frequency set to 0. The
-    periodic component's magnitude is taken and transformed in float32, as the reference does; it
-    differs from the component itself only where that overshoots below 0.
+    Grey values are 0..255. Amplitudes are divided by the number of pixels, that of the zero
+    frequency is set to 0. As in the reference, the periodic component's absolute value is
+    transformed, in float32; it differs from the component only where that is negative.
     """
     size = len(image)
     component = np.abs(periodic_component(grey(image))).astype(np.float32)
-    # numpy's transform, as in the reference: in float32 its rounding shows in the tenth digit.
+    # numpy's transform, as in the reference: its float32 rounding changes the tenth digit.
     amplitude = np.abs(np.fft.rfft2(component)) / size**2
     radius, counts, sizes = _rings(size)
     sums = np.bincount(radius, weights=amplitude.ravel() * counts)
@@ -153,10 +153,10 @@ def freq_distance(prediction: np.ndarray, reference: np.ndarray) -> float:
 
 @cache
 def _window() -> np.ndarray:
-    """Return the (128, 128) Gaussian of sigma 21 with sum 1, the zero frequency's sample 0.
+    """Return the (128, 128) Gaussian of sigma 21 and sum 1, set to 0 at the zero frequency.
 
-    Its centre lies between the middle samples (63.5), the zeroed sample is the shifted
-    spectrum's zero frequency (64, 64), as in the reference.
+    As in the reference, its centre lies between the middle samples (63.5), and the sample that is
+    set to 0 is the zero frequency of the shifted spectrum (64, 64).
     """
     offset = np.arange(METRIC_SIZE) - (METRIC_SIZE - 1) / 2
     line = np.exp(-(offset**2) / (2.0 * _TILE_SIGMA**2))
@@ -170,8 +170,8 @@ def _window() -> np.ndarray:
 def _half_weights() -> np.ndarray:
     """Return (128 * 65 * 2,) weights of the squared parts of a flat half spectrum.
 
-    The squared window, with that of the mirrored frequency (of equal amplitude) added where the
-    half spectrum leaves it out; each weight twice, for the real and the imaginary part.
+    They are the squared window. If the half spectrum leaves out the mirrored frequency (of equal
+    amplitude), its weight is added. Each weight appears twice, for real and imaginary part.
     """
     squares = np.fft.ifftshift(_window() ** 2)
     half = METRIC_SIZE // 2

@@ -1,10 +1,10 @@
 """FID and KID: how far apart two sets of features are (Heusel et al. 2017, Binkowski et al. 2018).
 
 A sample belongs to a unit, here a surface: each unit counts once, however many samples it has.
-torchmetrics has the same figures without units, costs 2.3 s to import, and takes FID's roots of a
-product of covariances: 40 times as long for InceptionV3's 2048 features.
+torchmetrics computes the same values without units. Its import takes 2.3 s, and for FID it takes
+the root of a product of covariances: 40 times as long for InceptionV3's 2048 features.
 
-:class:`SurfaceDistances` adds houses one after another, and does not grow with them.
+:class:`SurfaceDistances` adds houses one by one; its memory does not grow with their number.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ import numpy as np
 
 from plan2scene.errors import InputError
 
-#: Features of more dimensions have too many third moments (d^3 / 2 numbers).
+#: Most dimensions of features for :class:`ExactKernel`: third moments take d^3 / 2 numbers.
 MAX_MOMENTS_DIMENSION = 128
-BLOCK_SURFACES = 1000  #: Surfaces that end a block of :class:`BlockKernel`
-_ROWS = 1024  # of the kernel matrix, and of third moments, at once: bounds the memory
+BLOCK_SURFACES = 1000  #: Number of surfaces from which on a block of :class:`BlockKernel` ends
+_ROWS = 1024  # rows of the kernel matrix (and samples of moments) at a time: bounds the memory
 _DEGREE = 3  # of KID's kernel
 
 
@@ -27,11 +27,11 @@ def kernel_distance(
 ) -> float:
     """Return KID, the unbiased squared MMD with the kernel ``(x.y / d + 1)^3``; 0 is best.
 
-    Of predictions (n, d) and references (m, d), whose units are (n,) and (m,). Its expectation does
-    not depend on the sizes of the sets, and it may come out below 0. Samples of one unit, which are
-    not independent, are never paired within a set. Where each sample is a unit it is torchmetrics'
-    ``KernelInceptionDistance`` of one subset that holds the whole set; with fewer than two units in
-    a set it is NaN.
+    `a` are predictions (n, d), `b` references (m, d); their units are (n,) and (m,). The
+    expectation of KID does not depend on the sizes of the sets; KID may be negative. Samples of one
+    unit are not independent, so they are never paired within a set. If each sample is a unit, KID
+    equals torchmetrics' ``KernelInceptionDistance`` with one subset that holds the whole set. KID
+    is NaN if a set has fewer than two units.
     """
     a, b = a.astype(np.float64), b.astype(np.float64)
     (codes_a, weights_a), (codes_b, weights_b) = unit_weights(units_a), unit_weights(units_b)
@@ -69,12 +69,12 @@ def _kernel_sum(
 
 
 class RunningGaussian:
-    """Mean and covariance of weighted samples: some ``3 (d + 1)^2`` numbers are held.
+    """Mean and covariance of weighted samples, in a memory of about ``3 (d + 1)^2`` numbers.
 
-    Rows ``sqrt(w) [1, x]`` are replaced by the R of their QR decomposition, which has the same
-    products. Its first row then holds the weight and the mean, the rest a root of the centred
-    scatter: no difference of large sums is ever taken, and a singular covariance is no special
-    case.
+    The rows X = ``sqrt(w) [1, x]`` are replaced by the factor R of their QR decomposition, because
+    R'R = X'X. The first row of R holds the weight and the mean, the others are a root of the
+    centred scatter matrix. So large sums are never subtracted, and a singular covariance is no
+    special case.
     """
 
     def __init__(self) -> None:
@@ -107,8 +107,8 @@ def gaussian_distance(a: RunningGaussian, b: RunningGaussian) -> float:
     """Return FID, the squared Frechet distance of two Gaussians; 0 is best.
 
     ``|mean_a - mean_b|^2 + tr(A + B - 2 (A B)^(1/2))`` with the unbiased covariances A and B, as
-    torchmetrics' ``FrechetInceptionDistance``. It falls with the sizes of the sets: compare figures
-    of one size only. A single sample has no spread: its covariance counts as 0.
+    torchmetrics' ``FrechetInceptionDistance``. It falls as the sets grow: compare only values for
+    sets of one size. The covariance of a single sample counts as 0.
     """
     (mean_a, root_a), (mean_b, root_b) = a.moments(), b.moments()
     # With A = P'P and B = Q'Q the trace of the root of AB is the sum of the singular values of PQ'.
@@ -126,7 +126,7 @@ class KernelMoments:
 
     def __init__(self, dimension: int) -> None:
         self._first, self._second = np.triu_indices(dimension)
-        # Pairs stand for both orders; the scale makes products those of x.y / d.
+        # Each pair i < j stands for both orders, so its products need a factor of 2.
         self._scale = np.where(self._first == self._second, 1.0, np.sqrt(2.0))
         pairs = len(self._first)
         self.units = 0
@@ -135,7 +135,7 @@ class KernelMoments:
         self._moments.append(np.zeros((dimension, pairs)))
 
     def add(self, features: np.ndarray, units: np.ndarray, weights: np.ndarray) -> None:
-        """Add (n, d) float64 features of units (n,); all samples of a unit come at once.
+        """Add (n, d) float64 features of units (n,); all samples of a unit come in one call.
 
         Weights (n,) sum to 1 in each unit.
         """
@@ -164,16 +164,16 @@ class KernelMoments:
 
 
 class SurfaceDistances:
-    """FID and KID of measured surfaces, house by house."""
+    """FID and KID of measured surfaces, to which houses are added one by one."""
 
     def __init__(self) -> None:
         self._gaussians = RunningGaussian(), RunningGaussian()
         self._kernel: ExactKernel | BlockKernel | None = None
 
     def add(self, images: Sequence[np.ndarray], crops: Sequence[np.ndarray]) -> None:
-        """Add surfaces of a house: (k, d) features of each one's images, and of each one's crops.
+        """Add a house's surfaces: for each the features (k, d) of its images, and of its crops.
 
-        `crops` leaves out surfaces without any.
+        A surface without crops is left out of `crops`.
         """
         for side, groups in enumerate((images, crops)):
             if not groups:
@@ -212,10 +212,10 @@ class ExactKernel:
 
 
 class BlockKernel:
-    """KID as the mean over blocks of whole houses of 1,000 surfaces or somewhat more.
+    """KID as the mean over blocks of whole houses, each with 1,000 surfaces or somewhat more.
 
-    For features of too many dimensions for their third moments. Up to a block it is the KID of
-    the whole sets; the mean of more has the same expectation.
+    It is for features with too many dimensions for :class:`ExactKernel`. With one block it is the
+    KID of the whole sets; the mean over several blocks has the same expectation.
     """
 
     def __init__(self) -> None:
@@ -233,7 +233,7 @@ class BlockKernel:
         self._counts[side] += int(units[-1]) + 1
 
     def _close(self) -> None:
-        """Count the block that is held, unless it has too few surfaces, and start another."""
+        """Add the block's KID to the mean, unless it has too few surfaces; start a new block."""
         if min(self._counts) >= 2:
             sets = [np.concatenate(parts) for parts in (*self._held, *self._units)]
             self._sum += self._counts[0] * kernel_distance(*sets)
@@ -241,6 +241,6 @@ class BlockKernel:
         self._held, self._units, self._counts = ([], []), ([], []), [0, 0]
 
     def value(self) -> float:
-        """Return KID; NaN where no block has two surfaces."""
+        """Return KID; NaN if no block has two surfaces."""
         self._close()
         return self._sum / self._weight if self._weight else float("nan")

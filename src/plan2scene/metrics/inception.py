@@ -1,15 +1,15 @@
 """InceptionV3 up to its last pooling: the features of FID and KID (Szegedy et al. 2016).
 
-The names of tensors are those of torchvision's ``inception_v3``, which both files in use have:
+The names of tensors are those of torchvision's ``inception_v3``, which both variants' files have:
 
 ``tensorflow``   the network that FID was defined with (Heusel et al. 2017), 1008 classes, as
                  ``pt_inception-2015-12-05`` of pytorch-fid, torch-fidelity and torchmetrics. Its
-                 average pools leave the border out, its last block takes a maximum instead, and
-                 images are resized as TensorFlow 1 did.
+                 average pools do not count the padding, its last block pools by the maximum, and
+                 images are resized as in TensorFlow 1.
 ``torchvision``  torchvision's weights of 1000 classes. Not the published FID's network.
 
-torchvision's own class is not used: its wheel does not load beside another build of torch than its
-own (``operator torchvision::nms does not exist``), and it lacks the ``tensorflow`` variant.
+torchvision's own class is not used: its wheel loads only with the build of torch that it was made
+for (else ``operator torchvision::nms does not exist``), and it lacks the ``tensorflow`` variant.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class _Convolution(nn.Module):
 
 
 def _average(x: torch.Tensor, border: bool) -> torch.Tensor:
-    """Return the 3x3 average of maps at each place; the padding counts where `border`."""
+    """Return the 3x3 average of maps at each pixel; the zero padding counts if `border`."""
     return avg_pool2d(x, 3, stride=1, padding=1, count_include_pad=border)
 
 
@@ -138,7 +138,7 @@ class _BlockD(nn.Module):
 class _BlockE(nn.Module):
     """Branches that end in 1x3 and 3x1 kernels side by side: 2048 / divisor maps.
 
-    `largest` takes the maximum where the others take the average of 3x3 places.
+    If `largest`, the pooling branch takes the maximum of 3x3 pixels, not the average.
     """
 
     def __init__(self, channels: int, d: int, border: bool, *, largest: bool = False) -> None:
@@ -171,7 +171,7 @@ class _BlockE(nn.Module):
 
 
 class InceptionV3(nn.Module):
-    """The network without its classes; `variant` is a value of :data:`VARIANTS`.
+    """The network without its class layer; `variant` is a value of :data:`VARIANTS`.
 
     All channels are divided by `divisor`; 1 is InceptionV3.
     """
@@ -211,7 +211,7 @@ class InceptionV3(nn.Module):
         return x.mean(dim=(2, 3))
 
     def _input(self, rgb: torch.Tensor) -> torch.Tensor:
-        """Return images at 299 pixels, about [-1, 1], of images (n, 3, h, w), RGB 0..255."""
+        """Return images (n, 3, h, w), RGB 0..255, at 299 pixels and scaled to about [-1, 1]."""
         if self.variant == "tensorflow":
             return (_resize_tensorflow(_resize_tensorflow(rgb, 2), 3) - 128.0) / 128.0
         resized = interpolate(rgb, (_SIDE, _SIDE), mode="bilinear", antialias=True)
@@ -219,7 +219,7 @@ class InceptionV3(nn.Module):
 
 
 def _resize_tensorflow(images: torch.Tensor, axis: int) -> torch.Tensor:
-    """Return (n, 3, h, w) with `axis` at 299, bilinear with corners at pixels' corners (TF 1)."""
+    """Resize `axis` of (n, 3, h, w) to 299: bilinear, sample i at i * size / 299 (TensorFlow 1)."""
     size = images.shape[axis]
     place = torch.arange(_SIDE, dtype=images.dtype, device=images.device) * (size / _SIDE)
     low = place.floor()

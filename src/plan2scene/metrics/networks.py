@@ -1,6 +1,6 @@
 """The networks behind SUBS, FID and KID, chosen by the header of their weight file.
 
-``embedded``    trained by the workshop; gives substances and features (:mod:`.substance_network`)
+``embedded``    trained in ``workshop/``; gives substances and features (:mod:`.substance_network`)
 ``vgg16``       the paper's substance classifier, converted (:mod:`.vgg`)
 ``inception``   InceptionV3's features, converted (:mod:`.inception`)
 """
@@ -28,7 +28,7 @@ _BATCH = 8  # images at once: bounds the memory
 
 
 def network_name(path: str | Path) -> str:
-    """Return the name that columns give a weight file's network; reads its header only."""
+    """Return the name of a weight file's network for column names; read only the file's header."""
     _, architecture = read_model_arrays(path, names=())
     name = architecture.get("network", EMBEDDED)
     if name not in (EMBEDDED, *_CONVERTED):
@@ -37,7 +37,7 @@ def network_name(path: str | Path) -> str:
 
 
 def features_of(path: str | Path, images: Sequence[np.ndarray]) -> np.ndarray:
-    """Return (n, d) float32 features of (h, w, 3) uint8 sRGB images, d of the network."""
+    """Return (n, d) float32 features of (h, w, 3) uint8 sRGB images; d depends on the network."""
     if network_name(path) == EMBEDDED:
         return describe_images(load_substance_network(path), images)[0]
     return _converted_outputs(path, "inception", images)
@@ -58,7 +58,7 @@ def describe(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return features (n, d) of predictions and substances (n + m,) of them and references.
 
-    One network for both looks at each image once.
+    If one network gives both, each image goes through it once.
     """
     images = [*predictions, *references]
     if Path(features_model) == Path(substance_model):
@@ -72,8 +72,8 @@ def describe_images(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the embedded network's features (n, feature_dim) float32 and substances (n,) int64.
 
-    `images` are (h, w, 3) uint8 sRGB, resized to 128 px where they are not; substances are indices
-    into ``house.SUBSTANCES``.
+    `images` are (h, w, 3) uint8 sRGB, which are resized to 128 px; substances are indices into
+    ``house.SUBSTANCES``.
     """
     if not images:
         return np.zeros((0, len(network.shift)), np.float32), np.zeros(0, np.int64)
@@ -91,7 +91,7 @@ def _converted_outputs(path: str | Path, network: str, images: Sequence[np.ndarr
 
 
 def _batches(images: Sequence[np.ndarray]) -> tuple[torch.Tensor, ...]:
-    """Return (n, 3, 128, 128) float32 batches of the images, RGB 0..255; an empty one for none."""
+    """Return (n, 3, 128, 128) float32 batches of images, RGB 0..255; an empty one for none."""
     pixels = np.zeros((len(images), METRIC_SIZE, METRIC_SIZE, 3), np.uint8)
     for row, image in zip(pixels, images, strict=True):
         row[:] = metric_image(image)
@@ -99,7 +99,7 @@ def _batches(images: Sequence[np.ndarray]) -> tuple[torch.Tensor, ...]:
 
 
 def load_network(path: str | Path, network: str) -> nn.Module:
-    """Return ``vgg16`` or ``inception`` of a converted checkpoint, in evaluation mode."""
+    """Return the network of a converted checkpoint (vgg16 or inception), in evaluation mode."""
     state, architecture = load_model_file(path)
     if architecture.pop("network", None) != network:
         raise InputError(f"weights of network {network}", str(sorted(architecture)), file=path)

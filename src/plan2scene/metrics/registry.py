@@ -1,4 +1,4 @@
-"""The metrics in the order of the tables; a new one of image pairs is a function and a line."""
+"""The metrics in the order of the tables; add one of image pairs by a function and a line."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from plan2scene.metrics.color_freq_tile import color_distance, freq_distance, ti
 class Metric:
     """One metric; lower is better.
 
-    `of_pair` gives the value of a prediction and its reference, (128, 128, 3) uint8 sRGB each; None
-    for what a network says (SUBS) or the whole set of surfaces (FID, KID).
+    `of_pair` gives the value for a prediction and its reference, (128, 128, 3) uint8 sRGB each. It
+    is None for metrics by a network (SUBS) and of the whole set of surfaces (FID, KID).
     """
 
     decimals: int  #: as the paper prints it
-    network: str = ""  #: metadata of ``metrics.parquet`` that names the network behind it
+    network: str = ""  #: key in the metadata of ``metrics.parquet`` for its network's name
     of_pair: Callable[[np.ndarray, np.ndarray], float] | None = None
 
 
-#: By name. KID is not the paper's: unlike FID it depends on no set's size.
+#: By name. KID is not in the paper; unlike FID its expectation does not depend on a set's size.
 METRICS: Mapping[str, Metric] = {
     "COLOR": Metric(3, of_pair=color_distance),
     "FREQ": Metric(3, of_pair=freq_distance),
@@ -32,12 +32,12 @@ METRICS: Mapping[str, Metric] = {
     "TILE": Metric(1, of_pair=lambda prediction, _: tile_score(prediction)),
     "KID": Metric(3, "features"),
 }
-#: Names of the columns of ``metrics.parquet`` that :func:`image_metrics` gives.
+#: Names of the columns of ``metrics.parquet`` that :func:`image_metrics` computes.
 IMAGE_COLUMNS = tuple(name.lower() for name, metric in METRICS.items() if metric.of_pair)
 
 
 def image_metrics(prediction: np.ndarray, reference: np.ndarray) -> dict[str, float]:
-    """Return the values of two (128, 128, 3) uint8 sRGB images by column."""
+    """Return the metrics of two (128, 128, 3) uint8 sRGB images by column name."""
     return {
         name.lower(): metric.of_pair(prediction, reference)
         for name, metric in METRICS.items()

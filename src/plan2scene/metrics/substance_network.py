@@ -1,8 +1,8 @@
-"""The embedded classifier of substances: SUBS by its class, FID and KID by its features.
+"""The embedded classifier of substances: SUBS uses its classes, FID and KID its features.
 
-The paper takes SUBS from a VGG-16 and FID's features from InceptionV3, both downloaded. This
-small network stands in for them where nothing is downloaded. Figures made with it are named
-"embedded": they must not be compared with figures of those networks. The workshop trains it.
+The paper takes SUBS from a VGG-16 and FID's features from InceptionV3, both downloaded. This small
+network replaces them if nothing is downloaded. Values made with it are named "embedded": do not
+compare them with values of those networks. It is trained in ``workshop/``.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ _SPREAD_FLOOR = 1e-5
 class SubstanceNetwork(nn.Module):
     """Substance of a texture from the mean and spread of convolutional features.
 
-    Strided convolutions; the means and standard deviations of their maps over the image, which
-    describe a stationary texture, go through a linear layer to the penultimate features.
+    Strided convolutions give maps. The means and standard deviations of the maps over the image
+    describe a stationary texture; a linear layer turns them into the penultimate features.
 
     Shapes
     ------
@@ -71,7 +71,7 @@ class SubstanceNetwork(nn.Module):
 
 
 def load_substance_network(path: str | Path) -> SubstanceNetwork:
-    """Return the network of a weight file; InputError for one of another network."""
+    """Return the network of a weight file; InputError if the file is of another network."""
     state, header = load_model_file(path)
     return filled(
         lambda: SubstanceNetwork(header["widths"], header["feature_dim"]),

@@ -10,7 +10,7 @@ from torch import nn
 
 from plan2scene.house import SUBSTANCES
 
-#: Mean and deviation of ImageNet's RGB in [0, 1], which VGG's weights expect normalised.
+#: Mean and standard deviation of ImageNet's RGB in [0, 1]; VGG's input is normalised by them.
 IMAGENET_MEAN, IMAGENET_STD = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
 #: Output channels of the convolutions between max-pools (Simonyan 2015).
 _WIDTHS = (64, 128, 256, 512, 512)
@@ -22,10 +22,10 @@ _HIDDEN = 4096
 def vgg_convolutions(
     counts: Sequence[int], *, divisor: int = 1, padding_mode: Literal["zeros", "circular"] = "zeros"
 ) -> nn.Sequential:
-    """Return VGG's 3x3 convolutions with ReLU, a max-pool after each group.
+    """Return VGG's 3x3 convolutions with ReLU, and a max-pool after each group.
 
-    `counts` are the convolutions of each group, (2, 2, 3, 3, 3) for VGG-16; names and order are
-    those of torchvision's ``features``. All channels are divided by `divisor`.
+    `counts` are the numbers of convolutions of the groups, (2, 2, 3, 3, 3) for VGG-16. Names and
+    order are those of torchvision's ``features``. All channels are divided by `divisor`.
     """
     layers: list[nn.Module] = []
     channels = 3
@@ -39,7 +39,7 @@ def vgg_convolutions(
 
 
 def imagenet_normalised(rgb: torch.Tensor) -> torch.Tensor:
-    """Return images (n, 3, h, w), RGB in [0, 1], with ImageNet's mean and deviation taken off."""
+    """Return images (n, 3, h, w), RGB in [0, 1], normalised by ImageNet's mean and deviation."""
     mean, std = (rgb.new_tensor(value).view(1, 3, 1, 1) for value in (IMAGENET_MEAN, IMAGENET_STD))
     return (rgb - mean) / std
 

@@ -1,8 +1,8 @@
 """Accent walls: a wall of another paint than the other walls of its room.
 
-Located photos tell walls apart. Light differs from wall to wall, most of all in brightness and
-between lamp and sky, so a wall is an accent only where photos that show it beside others differ by
-more than light does.
+Photos with a known camera pose tell the walls of a room apart. Light differs from wall to wall,
+most of all in brightness and between lamp and sky. So a wall is an accent only if, in photos that
+show it together with other walls, its colour differs from theirs by more than light explains.
 """
 
 from __future__ import annotations
@@ -25,24 +25,24 @@ if TYPE_CHECKING:
 class AccentSettings:
     """When a wall counts as an accent."""
 
-    #: Standard deviations of light between walls of a room in one photo: natural logs of
-    #: brightness, along `PaintPrior.lamp` and across it. Seen on white walls of two real flats
-    #: (development).
+    #: Standard deviations of light between the walls of a room in one photo, natural logs: of
+    #: brightness, of hue along `PaintPrior.lamp`, of hue across it. Measured on white walls of two
+    #: real flats (development).
     light: tuple[float, float, float] = (0.5, 0.17, 0.07)
-    #: Standard deviations from which on it is another paint: of several photos that agree, of one
-    #: photo, and of one that shows the colour of wood, as cupboards have that its mask takes for
-    #: wall. Chosen on 13 synthetic homes, the demo and two real flats.
+    #: Least difference of an accent from the other walls, in standard deviations: if several photos
+    #: show it, if one does, and if one does and its colour is that of wood (it may be a cupboard
+    #: that the mask takes for wall). Chosen on 13 synthetic homes, the demo and two real flats.
     apart: float = 4.5
     alone: float = 6.0
     wooden: float = 10.0
-    #: What most of the walls show is the room's, unless it is darker by so many, or so many times
-    #: stronger in colour, and no more than so many times what the others show.
+    #: An accent is seen less (by weight) than the other walls; up to `most` times as much if it is
+    #: darker by `dark` standard deviations or its colour is `stronger` times as strong as theirs.
     dark: float = 3.0
     stronger: float = 2.0
     most: float = 8.0
-    #: Least weight (``colours.parquet``) in a photo of both sides.
+    #: Least weight (``colours.parquet``) of an accent, and of the other walls, in a photo of both.
     least: float = 0.01
-    #: Share of the other walls that has the colour, too, from which on it is a band of them all.
+    #: If more than this share of the other walls has the colour, it is a band around the room.
     band: float = 0.05
 
 
@@ -53,7 +53,7 @@ _LAMP = PaintPrior().lamp
 def find_accents(table: pd.DataFrame) -> list[tuple[str, str]]:
     """Return room and `walls` (ids on one plane, joined by ``|``) of the accents of a house.
 
-    A strong colour that is all that photos show of a room is that of the wall that they show.
+    If photos show only one wall plane of a room and its colour is strong, this plane is an accent.
     `table` holds rows of ``colours.parquet``.
     """
     every = table[(table["surface"] == "wall") & table["own"]]
@@ -68,14 +68,14 @@ def find_accents(table: pd.DataFrame) -> list[tuple[str, str]]:
                 accents.append((str(room_id), only.pop()))
                 continue
         while (walls := _strongest(of_room)) is not None:
-            # The others are compared without it: beside a red wall a white one is as far apart.
+            # Compare the other walls without it: a white wall differs as much from a red one.
             of_room = of_room[of_room["walls"] != walls]
             accents.append((str(room_id), walls))
     return accents
 
 
 def _strongest(of_room: pd.DataFrame) -> str | None:
-    """Return the accent walls of a room of the strongest colour; None without."""
+    """Return the accent walls with the strongest colour in a room; None if there is none."""
     strength: dict[str, float] = {}
     for walls, mine in of_room.groupby("walls", sort=True):
         rest = of_room[of_room["walls"] != walls]
@@ -86,7 +86,7 @@ def _strongest(of_room: pd.DataFrame) -> str | None:
         weights, away = (np.array(part) for part in zip(*both, strict=True))
         mean = np.average(away, axis=0, weights=weights.min(axis=1) ** 0.5)
         length = float(np.linalg.norm(mean))
-        # Where photos contradict each other one is misplaced, or shows a door or cupboard.
+        # If photos contradict each other, one is misplaced, or shows a door or a cupboard.
         agree = float(np.quantile(away @ mean / length**2, 0.5, method="lower")) if length else 0.0
         least = _S.apart
         if len(both) == 1:
@@ -103,9 +103,9 @@ def _strongest(of_room: pd.DataFrame) -> str | None:
 def _differences(
     mine: pd.DataFrame, rest: pd.DataFrame
 ) -> Iterator[tuple[tuple[float, float], np.ndarray]]:
-    """Yield both weights and the difference, in `AccentSettings.light`, of photos of both sides.
+    """Yield, for each photo of `mine` and `rest`, their weights and their colour difference (3,).
 
-    There is none to a band that the other walls have as well.
+    It is in standard deviations (`AccentSettings.light`), and 0 if `rest` has the colour as a band.
     """
     for photo, own in mine.groupby("photo", sort=True):
         others = rest[rest["photo"] == photo]
@@ -120,7 +120,7 @@ def _differences(
 
 
 def _scaled(linear: np.ndarray) -> np.ndarray:
-    """Return brightness, lamp to sky and across (..., 3) of linear RGB, in standard deviations."""
+    """Return linear RGB (..., 3) in standard deviations: brightness, hue along, across `_LAMP`."""
     axes = log_axes(linear)
     hue = axes[..., 1:] @ np.array([_LAMP, [-_LAMP[1], _LAMP[0]]]).T
     return np.concatenate([axes[..., :1], hue], axis=-1) / np.array(_S.light)

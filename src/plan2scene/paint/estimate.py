@@ -5,21 +5,21 @@ brightness, red, blue) an observation is a sum::
 
     observed = house's light + room's light + photo's light + surface's paint + noise
 
-What people know of homes decides what the sum leaves open. Most ceilings and walls are white; of
-the others and of floors some are pale or grey, and some of any colour (:class:`PaintPrior`, a
-normal distribution of each sort). The light of a photo lies between lamp and sky, more or less
-bright. So a blue wall below a white ceiling of the same photo is blue, and a blue wall below a blue
-ceiling is white in the light of the sky. Where a photo shows that light varies between lamp and sky
-over its walls, an orange ceiling above them says less.
+The sum alone does not determine its terms; a prior of homes does (:class:`PaintPrior`). Paint is of
+one of three sorts, each with a normal distribution: white (most ceilings and walls), pale or grey,
+or any colour. The light of a photo has a colour between lamp and sky. So a wall that looks blue
+below a ceiling that looks white is blue, and one that looks blue below a ceiling that looks blue is
+white in the light of the sky. The more the light of a photo varies between lamp and sky over its
+walls, the less the colour of its ceiling counts.
 
-Coloured walls throw their colour on each other and, the more the less lamps light it, on the
-ceiling: a carpet below a white ceiling that is orange so is no blue one.
+Coloured walls reflect their colour onto each other and onto the ceiling, more where lamps light it
+less. The model knows this: an orange tint of a white ceiling does not make the carpet below blue.
 
-For a given choice of sorts all priors are normal, but those of floors and coloured walls,
-which may be of anything: theirs and the noise are Student's t. The likeliest terms solve a weighted
-least-squares problem again and again (iteratively reweighted, Lange et al. 1989, DOI
-10.1080/01621459.1989.10478852). The choice is searched: surfaces are turned to another sort, alone
-and all of a room, as long as the posterior grows.
+For a given sort of each surface the priors are normal, except those of floors and walls of any
+colour, which vary more: these and the noise are Student's t. The likeliest terms are found by
+iteratively reweighted least squares (Lange et al. 1989, DOI 10.1080/01621459.1989.10478852). A
+search chooses the sorts: it changes that of one surface, or of all walls and ceilings of a room,
+as long as the posterior grows.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from plan2scene.colour import from_log_axes, log_axes
 from plan2scene.house import SURFACES, SurfaceKey
 
 Axes = tuple[float, float, float]
-#: Kinds of surfaces that are painted. Of a door the key's room is the id of its opening.
+#: Kinds of surfaces that are painted. The key of a door has the id of its opening as its room.
 KINDS = (*SURFACES, "door")
 
 
@@ -49,8 +49,8 @@ class PaintPrior:
     #: White paint: mean and standard deviation.
     white: Axes = (float(np.log(0.82)), 0.01, -0.02)
     white_deviation: Axes = (0.06, 0.025, 0.035)
-    #: Pale and grey paint, by kind. That of floors (stone, concrete, carpet), with its share, was
-    #: chosen on three real listings (development).
+    #: Pale and grey paint, by kind: mean and standard deviation. Those of floors (stone, concrete,
+    #: carpet) and their share were chosen on three real listings (development).
     pale: tuple[Axes, ...] = (
         (-1.2, 0.04, -0.08),
         (-0.7, 0.04, -0.08),
@@ -63,8 +63,8 @@ class PaintPrior:
         (0.45, 0.06, 0.09),
         (0.45, 0.06, 0.09),
     )
-    #: Probability that a surface is white, and that it is pale or grey, by kind. The second of
-    #: walls and ceilings, and `pale`, were chosen on 13 synthetic homes and the demo.
+    #: Probability that a surface is white, and that it is pale or grey, by kind. `share_pale` and
+    #: `pale` of walls and ceilings were chosen on 13 synthetic homes and the demo.
     share_white: tuple[float, ...] = (0.001, 0.75, 0.97, 0.7)
     share_pale: tuple[float, ...] = (0.3, 0.12, 0.02, 0.0)
     #: Other paint, by kind: mean and standard deviation.
@@ -80,46 +80,46 @@ class PaintPrior:
         (0.6, 0.4, 0.5),
         (0.35, 0.25, 0.35),
     )
-    #: Noise of an observation of a whole photo: the light on the part seen, by kind. That of doors
-    #: and `most_noise` were fitted to 115 leaves that photos of 43 synthetic homes show.
+    #: Standard deviation of an observation of weight `whole`, by kind: the light on the part seen.
+    #: That of doors and `most_noise` were fitted to 115 leaves in photos of 43 synthetic homes.
     noise: tuple[Axes, ...] = (
         (0.3, 0.06, 0.08),
         (0.2, 0.04, 0.05),
         (0.25, 0.04, 0.05),
         (0.29, 0.09, 0.15),
     )
-    #: Light of a kind of surface against the photo's, log: windows and lamps light walls and floors
-    #: more than ceilings (-.5 and -.3 against walls on two real flats, .2 on a listing).
+    #: Light on a kind of surface over the photo's, natural log: windows and lamps light walls and
+    #: floors more than ceilings (ceiling over walls: -.5, -.3 on two real flats, .2 on a listing).
     lit: tuple[float, ...] = (0.0, 0.0, -0.2, 0.0)
-    #: Weight of an observation (share of the photo's pixels) with that noise; of fewer pixels it
-    #: grows with the root, up to `most_noise` times.
+    #: Observations of this weight (share of the photo's pixels) or more have that noise. In others
+    #: it grows by the root of `whole` / weight, at most by a factor of `most_noise`.
     whole: float = 0.02
     most_noise: float = 2.3
     #: A ceiling may be lit from another side than the walls: `Observation.mixed`, but at most this,
-    #: adds to its noise from lamp to sky. Chosen on one real flat (development).
+    #: is added to its noise along `lamp`. Natural log; chosen on one real flat (development).
     most_mixed: float = 0.2
-    #: Share of a room's colour (log red, blue of its walls) that the light on its walls and ceiling
-    #: has. Chosen on one real listing and the demo (development).
+    #: This share of the colour of a room's walls (log red, blue) is added to the light on its walls
+    #: and ceiling. Chosen on one real listing and the demo (development).
     bounce: float = 0.1
-    #: Standard deviation of that share on a ceiling, which some lamps light and others leave to the
-    #: walls. Chosen on four synthetic homes of strong colours.
+    #: Standard deviation of that share on a ceiling: some lamps light it directly, others only by
+    #: way of the walls. Chosen on four synthetic homes of strong colours.
     bounce_deviation: float = 0.1
-    #: Factor of the noise of what is seen in another room, which has its own light.
+    #: Factor on the noise of a surface seen from another room: its room has its own light.
     other_room: float = 2.0
-    #: Degrees of freedom of the noise, of floors and walls (Student's t).
+    #: Degrees of freedom of Student's t: of the noise, and of floors and walls of any colour.
     freedom: float = 6.0
     #: Standard deviations of light: brightness, along the axis from lamp to sky, across it.
     house: Axes = (0.8, 0.2, 0.06)
     photo: Axes = (0.3, 0.18, 0.06)
-    #: Of the light that all photos of a room share. Chosen on one real listing and the demo.
+    #: The same of the light that all photos of a room share. Chosen on one real listing, the demo.
     room: Axes = (0.15, 0.08, 0.03)
-    #: Mean of the house's light: cameras keep highlights, so white paint is below white.
+    #: Mean of the house's light: cameras keep highlights unclipped, so white paint is below white.
     house_mean: Axes = (-0.35, 0.0, 0.0)
     #: Direction of (red, blue) from sky to lamp.
     lamp: tuple[float, float] = (0.507, -0.862)
 
     def light_precision(self, deviation: Axes) -> np.ndarray:
-        """Return the inverse covariance (3, 3) of light with deviations along and across."""
+        """Return the inverse covariance (3, 3) of light, of a `deviation` such as `photo`."""
         along = np.array(self.lamp)
         across = np.array([-along[1], along[0]])
         precision = np.zeros((3, 3))
@@ -141,8 +141,8 @@ class Observation:
     #: how much the light in the photo varies between lamp and sky: standard deviation of the log
     #: colours along `PaintPrior.lamp` within its walls and ceilings
     mixed: float = 0.0
-    lit_by: SurfaceKey | None = None  #: the walls that throw their colour on it
-    room: str = ""  #: where the photo was taken: the room of most that it shows from within
+    lit_by: SurfaceKey | None = None  #: the walls that reflect their colour onto it
+    room: str = ""  #: where the photo was taken: room of the largest surface seen from within
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,13 +185,13 @@ def estimate_paint(
 
 #: Sorts of paint.
 _COLOUR, _WHITE, _PALE = range(3)
-#: A choice is looked at closer where two rounds leave its log posterior less below the best.
+#: A choice gets more rounds if its log posterior, after two, is less than this below the best.
 _SCREEN = 2.0
 
 
 @dataclass(frozen=True, eq=False)
 class _Solution:
-    """Log posterior (up to a constant), terms (t, 3), sorts of the surfaces (s,) int."""
+    """Log posterior (up to a constant), terms (t, 3), sorts (s,) int, observation weights (m,)."""
 
     value: float
     terms: np.ndarray
@@ -200,7 +200,7 @@ class _Solution:
 
 
 class _Problem:
-    """Terms: the house's light, each photo's, each room's, each surface's paint."""
+    """The sum's terms, in order: the house's, photos' and rooms' light, the surfaces' paint."""
 
     def __init__(self, observations: Sequence[Observation], prior: PaintPrior) -> None:
         self.prior = prior
@@ -208,12 +208,12 @@ class _Problem:
         self.surfaces = sorted({item.surface for item in observations})
         rooms = sorted({(item.room,) for item in observations})
         row = {name: k for k, name in enumerate([*self.photos, *rooms, *self.surfaces], start=1)}
-        #: Terms (photos, t) that the light of each photo is the sum of.
+        #: (photos, t): 1 where a term is part of a photo's light, else 0.
         self.lights = np.zeros((len(self.photos), 1 + len(row)))
         self.lights[:, 0] = 1.0
         for item in observations:
             self.lights[row[item.photo] - 1, [row[item.photo], row[(item.room,)]]] = 1.0
-        #: For each axis of colour: terms that each observation is the sum of.
+        #: (3, m, t): by axis of colour, the factor of each term in each observation.
         self.design = np.zeros((3, len(observations), 1 + len(row)))
         for k, item in enumerate(observations):
             self.design[:, k] = self.lights[row[item.photo] - 1]
@@ -231,7 +231,7 @@ class _Problem:
         mixed *= np.array(kind) == KINDS.index("ceiling")
         covariance[:, 1:, 1:] += np.outer(prior.lamp, prior.lamp) * mixed[:, None, None] ** 2
         self.covariance = covariance
-        #: Observations of ceilings that known walls light, and the terms of these walls.
+        #: Observations of ceilings whose room's walls are observed, and the terms of these walls.
         lit = [(k, item) for k, item in enumerate(observations) if item.surface.kind == "ceiling"]
         self.tinted = [k for k, item in lit if item.lit_by is not None]
         self.lit_by = [row[item.lit_by] for _, item in lit if item.lit_by is not None]
@@ -239,7 +239,7 @@ class _Problem:
         alike = np.zeros((len(kinds), 1))
         means = np.array([prior.colour, prior.pale])[:, kinds]
         spreads = np.array([prior.colour_deviation, prior.pale_deviation])[:, kinds]
-        #: Of each sort and surface: mean and deviation of its paint, (3, s, 3), log probability.
+        #: By sort and surface: mean and deviation of paint, (3, s, 3), and log probability (3, s).
         self.means = np.array([means[0], prior.white + alike, means[1]])
         self.deviations = np.array([spreads[0], prior.white_deviation + alike, spreads[1]])
         white, pale = np.array(prior.share_white), np.array(prior.share_pale)
@@ -250,7 +250,7 @@ class _Problem:
         self.light += [prior.light_precision(prior.room)] * len(rooms)
 
     def climbed(self, sort: np.ndarray) -> _Solution:
-        """Return the best solution that turning surfaces over reaches from a choice of sorts."""
+        """Return the best solution that hill climbing over sorts reaches from a first choice."""
         rooms = sorted({key.room_id for key in self.surfaces})
         upright = [
             [k for k, key in enumerate(self.surfaces) if key.room_id == room and self.kind[k] > 0]
@@ -322,8 +322,8 @@ class _Problem:
         odd = np.where(tailed, (prior.freedom + 3) * np.log1p(odd / prior.freedom), odd)
         value -= 0.5 * odd.sum() + np.log(spread).sum()
         value += self.chance[sort, everywhere].sum()
-        # Wood and floors may have many tones, so that each alone is unlikely: they are told from
-        # white by all of them (Laplace's approximation: MacKay 1992, DOI
+        # The prior of floors and doors is wide, so each single tone is unlikely. To compare them
+        # with white, integrate over all tones (Laplace's approximation: MacKay 1992, DOI
         # 10.1162/neco.1992.4.3.415).
         tones = paints[np.isin(self.kind, (KINDS.index("floor"), KINDS.index("door")))]
         value -= 0.5 * np.linalg.slogdet(left[tones, :, tones])[1].sum()

@@ -1,16 +1,15 @@
 """The model of light: the log of an observed colour is a sum of paint, light and exposure.
 
-One photo cannot tell its light from the paint that it shows (the paper's failure: a blue-tinted
-photo gives blue walls). The photos of a house and what is known of homes can: a surface has one
+One photo cannot separate its light from the paint that it shows (the paper's failure: a blue-tinted
+photo gives blue walls). All photos of a house together with a prior of homes can: a surface has one
 paint in all its photos, ceilings are nearly white, a room has one light. In log colours a surface
 in a photo is a sum of terms:
 
     usual paint + house's light + kind in this house + room's light + own paint + photo's light
 
 Each term has a normal prior (:class:`LightPrior`), so the likeliest terms solve a least-squares
-problem (maximum a posteriori). Two questions are asked of the model: :func:`estimate_light` asks
-for the light of each photo, :func:`expected_colours` for the colour of each surface, observed or
-not.
+problem (maximum a posteriori). Two functions use the model: :func:`estimate_light` gives the light
+of each photo, :func:`expected_colours` the colour of each surface, observed or not.
 
 Colours are linear RGB unless said otherwise. Axes of log colours: brightness, red, blue
 (:func:`plan2scene.colour.log_axes`), natural logarithms.
@@ -48,19 +47,19 @@ class LightPrior:
     noise: tuple[Axes, Axes, Axes]  #: of the light on the part of a surface that one photo shows
     house: Axes  #: house, house_mean: light and exposure of all photos of a house
     house_mean: Axes = _ZERO
-    photo: Axes = _ZERO  #: light of a photo about the house's
-    #: what all surfaces of a kind have in common in a house
+    photo: Axes = _ZERO  #: light of a photo relative to the house's
+    #: of the common colour offset of all surfaces of a kind in a house
     kind: tuple[Axes, Axes, Axes] = (_ZERO, _ZERO, _ZERO)
-    room: Axes = _ZERO  #: light of a room about the house's
-    #: usual paint, where the caller does not say it
+    room: Axes = _ZERO  #: light of a room relative to the house's
+    #: mean paint, in :func:`estimate_light`; :func:`expected_colours` gets it as `usual`
     paint_mean: tuple[Axes, Axes, Axes] = (_ZERO, _ZERO, _ZERO)
     #: residuals beyond so many standard deviations count less; infinite for plain least squares
     huber: float = np.inf
 
 
 #: For the light of photos. Paint: floors of wood, stone or carpet, walls of any paint, white
-#: ceilings. Cameras keep highlights, so white paint is below white. `photo` was chosen on real
-#: flats: narrower leaves the photos' differences, wider takes the rooms' own colours for light.
+#: ceilings. Cameras keep highlights unclipped, so white paint is below white. `photo` was chosen
+#: on real flats: if smaller, photos still differ; if larger, rooms' own colours count as light.
 PHOTO_LIGHT = LightPrior(
     own=((0.8, 0.4, 0.5), (0.6, 0.2, 0.22), (0.12, 0.04, 0.05)),
     noise=((0.2, 0.12, 0.15), (0.12, 0.05, 0.06), (0.15, 0.05, 0.06)),
@@ -70,8 +69,8 @@ PHOTO_LIGHT = LightPrior(
     paint_mean=((-1.2, 0.3, -0.4), (-0.5, 0.05, -0.06), (-0.16, 0.01, -0.02)),
     huber=1.5,
 )
-#: For the colours of surfaces, about the usual ones of other houses. The noise is that of one
-#: photo; exposure is anything. Chosen on synthetic homes and real flats (development).
+#: For the colours of surfaces relative to the usual ones of other houses. The noise is that of one
+#: photo; `house` leaves exposure open. Chosen on synthetic homes and real flats (development).
 SURFACE_COLOURS = LightPrior(
     own=((0.5, 0.3, 0.3), (0.25, 0.12, 0.14), (0.2, 0.08, 0.08)),
     noise=((0.3, 0.1, 0.12), (0.3, 0.1, 0.12), (0.3, 0.1, 0.12)),
@@ -88,10 +87,10 @@ class GainLimits:
     #: Largest correction of brightness, and of red or blue against green, natural log.
     exposure: float = float(np.log(2.5))
     balance: float = 0.6
-    #: Linear value that surfaces have at most once corrected; beyond it values bend towards that
-    #: of `CLIPPED_LEVELS`, which none crosses.
+    #: Largest linear value of corrected surfaces. :func:`relight` compresses values beyond it, so
+    #: that none crosses the upper of `CLIPPED_LEVELS`.
     knee: float = 0.7
-    #: Percentile of the surfaces that `knee` holds for.
+    #: This percentile of the surfaces (by their largest channel) is kept below `knee`.
     brightest: float = 90.0
 
 
@@ -127,7 +126,7 @@ class LogSums:
         return result
 
     def left_out(self) -> np.ndarray:
-        """Return what each observation is expected to be by all others, (m, 3)."""
+        """Return the value (m, 3) that all other observations predict for each observation."""
         result = self.observed.copy()
         for axis in range(3):
             inverse = np.linalg.inv(self._covariance(axis))
@@ -139,7 +138,7 @@ class LogSums:
 
         Huber 1964, DOI 10.1214/aoms/1177703732.
         """
-        from scipy.optimize import least_squares  # slow to import, and most jobs go without
+        from scipy.optimize import least_squares  # slow to import, and most jobs do not need it
 
         count, result = len(self.observed), self.mean.copy()
 
@@ -169,7 +168,7 @@ class LogSums:
         return result
 
     def _away(self, axis: int) -> np.ndarray:
-        """Return how far observations (m,) are from what the priors' means expect."""
+        """Return the observations (m,) less the values that the priors' means predict."""
         return np.asarray(self.observed[:, axis] - self.design @ self.mean[:, axis])
 
     def _covariance(self, axis: int) -> np.ndarray:
@@ -184,8 +183,8 @@ def estimate_light(
     """Return the light (3,) of each photo, linear RGB, 1 for light that shows paint as it is.
 
     `colours` are those of all photos of a house. A surface in two photos ties their light together.
-    Where no surface does, the prior decides: it moves the light of the whole house, so that the
-    rooms' colours stay as different as in the photos.
+    Photos without a common surface are tied by the prior alone: it prefers a change of the house's
+    light to changes of single photos, so that rooms' colours stay as different as in the photos.
     """
     photos = sorted({item.photo for item in colours})
     surfaces = sorted({(item.room_id, item.surface) for item in colours})
@@ -212,9 +211,9 @@ def estimate_light(
 def house_gains(
     lights: Mapping[str, np.ndarray], colours: Sequence[SurfaceColour]
 ) -> dict[str, np.ndarray]:
-    """Return the factors (3,) on each photo's linear RGB that take its light away, bounded.
+    """Return the factors (3,) on each photo's linear RGB that remove its light, within `GAINS`.
 
-    One factor for the house's brightness keeps its surfaces below :attr:`GainLimits.knee`.
+    One more factor, the same for all photos, keeps surfaces below :attr:`GainLimits.knee`.
     """
     if not lights:
         return {}
@@ -246,7 +245,7 @@ def expected_colours(
     usual : (n, 3, 3) float
         sRGB of such surfaces in other houses.
     as_if_unseen : bool
-        Leave what is observed of a surface itself out of its colour.
+        Predict the colour of each surface without its own observation.
     """
     size, rooms = observed.photos.size, len(observed.photos)
     room, kind = np.divmod(np.arange(size), len(SURFACES))
@@ -281,7 +280,7 @@ def expected_colours(
 def relight(image: np.ndarray, gains: np.ndarray, knee: float = GAINS.knee) -> np.ndarray:
     """Return an image (h, w, 3) uint8 sRGB with its linear RGB times `gains` (3,).
 
-    A channel that is made brighter than `knee` (linear) bends: a pixel that is not clipped
+    A gain above 1 compresses values beyond `knee` (linear): a value that is not clipped
     (`CLIPPED_LEVELS`) does not become so, a clipped one stays as it is.
     """
     if np.array_equal(gains, np.ones(3)):
@@ -292,9 +291,9 @@ def relight(image: np.ndarray, gains: np.ndarray, knee: float = GAINS.knee) -> n
 
 
 def _bent(values: np.ndarray, gain: float, knee: float) -> np.ndarray:
-    """Return linear values times a gain, on from the knee bent to meet at `_CLIPPED`.
+    """Return linear values times a gain; beyond the knee a curve maps them to below `_CLIPPED`.
 
-    The bend is rational, of slope 1 at the knee.
+    The curve is a rational function with slope 1 at the knee. It leaves clipped values unchanged.
     """
     if gain <= 1.0:
         return values * gain
@@ -309,9 +308,9 @@ def _bent(values: np.ndarray, gain: float, knee: float) -> np.ndarray:
 def recoloured(
     image: np.ndarray, colour: np.ndarray, median: np.ndarray | None = None
 ) -> np.ndarray:
-    """Return an image whose median colour becomes another one; nothing burns out.
+    """Scale the channels of an image so that its median colour is another one; none burns out.
 
-    Each channel's linear values are scaled: what another pigment of the same grain reflects.
+    Linear values are scaled, as if another pigment with the same grain reflected the light.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 """Observations: the colours that photos show of the surfaces of a house (``colours.parquet``).
 
-Crops are the few windows that show a pattern well. The colour of a surface is known better from
-all that is seen of it, also where no good window fits. Each plane of a photo gives the colours of
-equal shares of its pixels, from the darkest to the brightest. Colours are linear RGB.
+Crops are the few windows that show a pattern well. All visible pixels of a surface tell its colour
+better, also where no crop fits. The pixels of a plane in a photo are sorted from dark to bright and
+divided into equal shares; each share gives its mean colour. Colours are linear RGB.
 """
 
 from __future__ import annotations
@@ -21,17 +21,17 @@ from plan2scene.io import read_parquet, write_parquet
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Equal shares of a plane's pixels whose colours are kept.
+#: Number of equal shares of a plane's pixels whose mean colours are kept.
 SHARES = 32
-#: Weight of an observation from which on it counts for a whole photo.
+#: An observation of this weight or more counts as one whole photo.
 WHOLE = 0.02
-#: A floor of which another room's photo shows less (share of its pixels) takes no colour from it.
-#: Chosen on the demo, where two are 15 and 20 CIEDE2000 off by such.
+#: A photo taken in another room is ignored for a floor of which it shows less (share of pixels).
+#: Chosen on the demo, where such photos make two floors wrong by 15 and 20 CIEDE2000.
 GLIMPSE = 2e-3
-#: Share of what is seen whose luminance is most alike: the rest is shadow, glare, other things.
+#: The share of pixels with the most similar luminance gives the colour: others are shadow, glare.
 ALIKE = 0.5
-#: Share of a surface's pixels, the darkest, that tells no hue. Chosen on a real listing; three
-#: others, two real flats and the demo report (development).
+#: The darkest share of a surface's pixels, which does not count for its hue. Chosen on a real
+#: listing; reported on three others, two real flats and the demo (development).
 DARKEST = 0.1
 _COLUMNS = ["photo", "room_id", "surface", "plane", "own", "walls", "weight", "colours"]
 
@@ -51,12 +51,12 @@ class PlaneColours:
     """What a photo shows of a plane."""
 
     photo: str
-    rooms: tuple[str, ...]  #: whose it may be
+    rooms: tuple[str, ...]  #: ids of the rooms that it may belong to
     #: of ``house.SURFACES``; ``door`` for a door leaf, ``frame`` for frames of windows
     surface: str
     plane: int  #: number of the plane within photo and surface
     own: bool  #: whether it is seen from within the room
-    #: ids of the walls on the plane; none where they are not known. Of a door that of the opening.
+    #: ids of the walls on the plane; none where they are not known. For a door: its opening's id
     walls: tuple[str, ...]
     #: share of the photo's pixels, times the mean squared sine of the angle of view, shared among
     #: the rooms
@@ -69,14 +69,14 @@ class PlaneColours:
 class HouseColours:
     """What photos show of the surfaces of n rooms."""
 
-    #: (n, 3, 3) float64: Linear RGB of the surfaces in the order of ``house.SURFACES``; anything
+    #: (n, 3, 3) float64: Linear RGB of the surfaces in the order of ``house.SURFACES``; undefined
     #: where none is seen
     colours: np.ndarray
-    photos: np.ndarray  #: (n, 3) float64: How many photos that is worth; 0 for none
+    photos: np.ndarray  #: (n, 3) float64: Number of photos that each colour is worth; 0: not seen
 
     @classmethod
     def of_embeddings(cls, embeddings: np.ndarray, observed: np.ndarray) -> HouseColours:
-        """Return colours of embeddings (n, 3, 11) that are `observed` (n, 3), a photo each."""
+        """Return the colours of embeddings (n, 3, 11); each `observed` one (n, 3) is one photo."""
         colours = srgb_to_linear(np.clip(embeddings[..., -3:].astype(np.float64), 0.0, 1.0))
         return cls(colours, observed.astype(np.float64))
 
@@ -88,9 +88,9 @@ class HouseColours:
 
 
 def equal_shares(linear: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Return the mean colours (SHARES, 3) float32 of equal shares of (n, 3), by luminance.
+    """Sort colours (n, 3) by luminance; return the means (SHARES, 3) float32 of equal shares.
 
-    `weights` (n,) are above 0 for some.
+    At least one of the `weights` (n,) is above 0.
     """
     order = np.argsort(linear @ LUMINANCE, kind="stable")
     ends = np.cumsum(weights[order])
@@ -99,7 +99,7 @@ def equal_shares(linear: np.ndarray, weights: np.ndarray) -> np.ndarray:
     total = np.bincount(share, heavy, SHARES)
     sums = [np.bincount(share, heavy * linear[order, c], SHARES) for c in range(3)]
     colours = np.stack(sums, axis=1) / np.maximum(total, 1e-300)[:, None]
-    # A heavy pixel fills whole shares, but lies in one.
+    # A heavy pixel spans several shares but is counted in one: give its colour to the others.
     middle = (np.arange(SHARES) + 0.5) / SHARES * ends[-1]
     there = np.minimum(np.searchsorted(ends, middle), len(order) - 1)
     colours = np.where((total > 0)[:, None], colours, linear[order[there]])
@@ -115,8 +115,8 @@ def usual_colour(shares: Iterable[np.ndarray], weights: Iterable[float]) -> np.n
     Parameters
     ----------
     shares : arrays (m, 3), linear RGB
-        What each photo shows, of equal shares of its pixels.
-    weights : float of each
+        Of each observation, the colours of equal shares of its pixels.
+    weights : float of each observation
     """
     colours = np.concatenate(list(map(np.asarray, shares)))
     each = [np.full(len(s), w / len(s)) for s, w in zip(shares, weights, strict=True)]
@@ -134,10 +134,11 @@ def usual_colour(shares: Iterable[np.ndarray], weights: Iterable[float]) -> np.n
 
 
 def matte_colour(shares: Iterable[np.ndarray], weights: Iterable[float]) -> np.ndarray:
-    """Return :func:`usual_colour` (3,) with the hue of the darker half: glare adds the light's own.
+    """Return :func:`usual_colour` (3,) with the hue of the darker half of the pixels.
 
-    Dichromatic reflection (Shafer 1985, DOI 10.1002/col.5080100409). The `DARKEST` lies in the
-    shadow of furniture, whose colour it has. Parameters as there.
+    Glare adds the hue of the light to bright pixels (dichromatic reflection: Shafer 1985, DOI
+    10.1002/col.5080100409). The `DARKEST` share is left out: it lies in the shadow of furniture and
+    takes its colour. Parameters are those of :func:`usual_colour`.
     """
     shares, weights = list(shares), list(weights)
     usual = usual_colour(shares, weights)
@@ -181,10 +182,10 @@ def write_colours(
 
 
 def without_glimpses(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the rows of ``colours.parquet`` without floors that another room's photo glimpses.
+    """Return the rows of ``colours.parquet`` without glimpses (`GLIMPSE`) of other rooms' floors.
 
-    They lie in another light and are seen at a flat angle, so they tell less than the floor of the
-    next room.
+    Such a floor lies in another light and is seen at a flat angle. The floor of the next room tells
+    more about its colour.
     """
     seen = table.groupby(["photo", "room_id", "surface"])["weight"].transform("sum")
     return table[(table["surface"] != "floor") | table["own"] | (seen >= GLIMPSE)]
@@ -209,7 +210,7 @@ def house_colours(
     hidden_photos: Collection[str],
     room_ids: Sequence[str],
 ) -> HouseColours:
-    """Return what visible photos show of a house, of ``colours.parquet``."""
+    """Return the colours of a house in the photos that are not hidden (``colours.parquet``)."""
     shape = len(room_ids), len(SURFACES)
     linear, photos = np.zeros((*shape, 3)), np.zeros(shape)
     for key, planes in read_colours(path, hidden_photos).items():
@@ -217,8 +218,8 @@ def house_colours(
         of_photo: dict[str, float] = {}
         for photo, weight, _ in planes:
             of_photo[photo] = of_photo.get(photo, 0.0) + weight
-        # What one photo shows has one light and place, right or wrong: photos count by the root
-        # of what they show, so that one with much of it does not outvote two.
+        # Planes of one photo share its errors of light and camera pose. So a photo counts by the
+        # root of its total weight: one that shows much of a surface does not outvote two.
         weights = [weight / of_photo[photo] ** 0.5 for photo, weight, _ in planes]
         linear[place] = usual_colour([shares for *_, shares in planes], weights)
         photos[place] = sum(min(1.0, weight / WHOLE) for weight in of_photo.values())

@@ -1,10 +1,10 @@
-"""Light within crops of one surface: highlights found, slow shading taken out, casts averaged.
+"""Light within crops of one surface: find highlights, remove slow shading, average colour casts.
 
-One crop cannot tell shading from slow variation of the material; several can: the material's
-share is common to all, and at middle frequencies it is all there is. So each crop's slow cosine
-terms are brought down to the least power that the crops and the neighbouring frequencies agree
-on, not to zero: stucco keeps its relief. Images are (n, s, s, 3) float sRGB in [0, 1]; light is
-taken as a factor on these values.
+One crop cannot tell shading from slow variation of the material. Several crops can: the material
+has the same power in all of them, and at middle frequencies there is only material. So each crop's
+slow cosine terms are reduced to the power that the less shaded crops and the neighbouring
+frequencies have, not to zero: stucco keeps its relief. Images are (n, s, s, 3) float sRGB in
+[0, 1]; light is modelled as a factor on these values.
 """
 
 from __future__ import annotations
@@ -24,24 +24,24 @@ class ShadingSettings:
     """How light is told from the material. Chosen on development crops, real and synthetic."""
 
     black: float = 4.0 / 255.0  #: sRGB that keeps logarithms finite
-    slow: int = 14  #: cosine terms up to this index (half waves a crop) may hold light
+    slow: int = 14  #: cosine terms up to this index (half waves per crop) may hold light
     certain: int = 3  #: up to this index nearly all is light
     material_hue: float = 0.03  #: spread of slow log colour ratios of materials; mixed light: 0.1
     highlight: float = 0.2  #: log excess over the crop's median that only a highlight has
     added_white: float = 0.06  #: linear share of white that a highlight adds at least
-    nearly_white: float = 0.35  #: the same where a surface is too bright for a log excess
-    outstanding: float = 2.0  #: added white over the crops' usual, where most seem to have some
+    nearly_white: float = 0.35  #: the same on surfaces that are too bright for `highlight`
+    outstanding: float = 2.0  #: if most crops have highlights: least peak over the median peak
     most: float = 0.6  #: a crop with a larger share of 'highlight' shows a bright pattern instead
-    spot: float = 0.6  #: added white of lamps that a floor mirrors as small spots
-    spot_side: float = 0.12  #: of the crop's side: the largest of them
-    spots: int = 15  #: a crop with more of them has them as a pattern
-    white: float = 0.96  #: least channel (sRGB) from which on a crop's colour is burned out
-    repair: float = 0.03  #: log repair of the light below which crops count alike for brightness
+    spot: float = 0.6  #: least added white of a small spot, where a floor mirrors a lamp
+    spot_side: float = 0.12  #: largest side of a spot, as a share of the crop's side
+    spots: int = 15  #: if a crop has more spots, they are its pattern
+    white: float = 0.96  #: a crop's colour is burned out if its least channel (sRGB) is above this
+    repair: float = 0.03  #: crops with less log light removed weigh about the same in brightness
 
 
 _S = ShadingSettings()
 UNREST_BLOCKS = 16  #: blocks along a crop whose colours :func:`unrest` compares
-_CHI_SQUARE_MEDIAN = 0.455  # of one degree of freedom, over its mean
+_CHI_SQUARE_MEDIAN = 0.455  # with one degree of freedom; median over mean
 _GREY = np.array([0.299, 0.587, 0.114])  # of sRGB (ITU-R BT.601)
 
 
@@ -51,16 +51,16 @@ def log_luma(images: np.ndarray) -> np.ndarray:
 
 
 def highlights(images: np.ndarray) -> np.ndarray:
-    """Return (n, s, s) bool: pixels that a highlight or a lamp burns out.
+    """Return (n, s, s) bool: pixels of highlights and of mirrored lamps.
 
-    Blobs far brighter than their crop, to which white was added: brighter light alone leaves the
-    least channel of a dark or coloured surface low. Thin bright joints do not count, and what
-    most crops show is the pattern.
+    They are blobs far brighter than their crop, with white added: brighter light alone leaves the
+    least channel of a dark or coloured surface low. Thin bright joints do not count. If most crops
+    have such blobs, these are the pattern, except in crops where they are `outstanding`.
     """
     masks = np.zeros(images.shape[:3], dtype=bool)
     peaks = np.zeros(len(images))
     for k, image in enumerate(images):
-        # Neither bright joints nor dark ones.
+        # Remove bright joints and dark ones.
         body = cv2.morphologyEx(as_uint8(image), cv2.MORPH_OPEN, np.ones((9, 9)))
         body = cv2.medianBlur(body, images.shape[1] // 10 | 1)
         body = cv2.GaussianBlur(body / 255.0, (0, 0), images.shape[1] / 40)
@@ -81,7 +81,7 @@ def highlights(images: np.ndarray) -> np.ndarray:
 
 
 def _spots(image: np.ndarray) -> np.ndarray:
-    """Return (s, s) bool: small spots of an image (s, s, 3) as white as lamps mirrored there."""
+    """Return (s, s) bool: small spots of an image (s, s, 3) that are as white as mirrored lamps."""
     luma = log_luma(image)
     floor = srgb_to_linear(image.min(axis=2))
     usual = np.median(floor)
@@ -99,22 +99,22 @@ def _spots(image: np.ndarray) -> np.ndarray:
 def flatten(images: np.ndarray, masks: np.ndarray) -> np.ndarray:
     """Return the images under even light, each with its own median brightness and colour.
 
-    What is done to log brightness is done to the logs of red and blue over green, too, where
-    they vary more than most materials do: daylight and lamps mix on a wall.
+    Slow variation is removed from log brightness, and from the logs of red and blue over green
+    if they vary more than in most materials: daylight and lamps mix on a wall.
 
     Parameters
     ----------
     images : (n, s, s, 3) float
         sRGB in [0, 1].
     masks : (n, s, s) bool
-        Highlights: they neither count nor get any better.
+        Highlights: they do not count in the estimate, and remain highlights.
     """
-    # In place where it can be: a house has a thousand crops, whose copies take longer to lay out
-    # than to fill.
+    # In place where possible: a house has a thousand crops, and to allocate copies takes longer
+    # than to fill them.
     logs = images + _S.black
     np.log(logs, out=logs)
     red, blue = (_beyond_material(_slow(logs[..., k] - logs[..., 1], masks)) for k in (0, 2))
-    green = -(0.299 * red + 0.114 * blue)  # colour alone leaves the grey value
+    green = -(0.299 * red + 0.114 * blue)  # a change of hue alone keeps the grey value
     np.add(green, red, out=logs[..., 0])
     logs[..., 1] = green
     np.add(green, blue, out=logs[..., 2])
@@ -125,13 +125,13 @@ def flatten(images: np.ndarray, masks: np.ndarray) -> np.ndarray:
 
 
 def _beyond_material(field: np.ndarray) -> np.ndarray:
-    """Return slow colour fields (n, s, s) without what materials have of it (a Wiener filter)."""
+    """Return slow colour fields (n, s, s) less the part that is material (a Wiener filter)."""
     power = (field**2).mean(axis=(1, 2), keepdims=True)
     return field * np.maximum(1.0 - _S.material_hue**2 / np.maximum(power, 1e-12), 0.0)
 
 
 def _slow(values: np.ndarray, masks: np.ndarray) -> np.ndarray:
-    """Return the share of log values (n, s, s) that is light, 0 in the median of each crop."""
+    """Return the part of log values (n, s, s) that is light, with median 0 in each crop."""
     even = np.stack([filled(*pair) for pair in zip(values, masks, strict=True)])
     terms = dctn(even, axes=(1, 2), norm="ortho")
     index = np.arange(even.shape[1])
@@ -158,10 +158,10 @@ def surroundings(values: np.ndarray, weight: np.ndarray) -> np.ndarray:
 
 
 def _shares(terms: np.ndarray, radius: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Return rings of cosine terms, (s, s) bool, with the share of them that is light, (n,)."""
+    """Return rings of cosine terms, (s, s) bool, each with its share of light by crop, (n,)."""
     rings = [(radius >= k - 0.5) & (radius < k + 0.5) for k in range(1, 2 * _S.slow)]
     power = np.stack([(terms[:, ring] ** 2).mean(axis=1) for ring in rings])  # (rings, n)
-    # A lattice has few strong terms per ring: the median tells what lies between them.
+    # A lattice pattern has few strong terms per ring; the median of the terms ignores them.
     middle = [np.median(terms[:, ring] ** 2) for ring in rings[_S.slow :]]
     beyond = float(np.median(middle)) / _CHI_SQUARE_MEDIAN
     result = []
@@ -176,10 +176,10 @@ def _shares(terms: np.ndarray, radius: np.ndarray) -> list[tuple[np.ndarray, np.
 def consensus(tones: np.ndarray, repair: np.ndarray) -> np.ndarray:
     """Return the colour (3,) that crops agree on.
 
-    A cast may go either way in each crop: the mean of their chroma has the least error. Shading
-    mostly darkens and spoils some crops more than others: brightness is the mean weighted by how
-    little their light had to be repaired. Where half of the crops of a white surface burn out it
-    is the median; fewer of them have no say.
+    Colour casts go either way, so the mean chroma of the crops has the least error. Shading mostly
+    darkens, some crops more than others, so brightness is a weighted mean: the less of its light
+    was repaired, the more a crop weighs. Burned-out crops are left out; if they are half or more
+    of the crops (a white surface), the result is the median of all.
 
     Parameters
     ----------
@@ -200,8 +200,8 @@ def consensus(tones: np.ndarray, repair: np.ndarray) -> np.ndarray:
 def smooth_field(values: np.ndarray) -> np.ndarray:
     """Return the quadratic surface that fits most of (h, w) values, float64.
 
-    Least squares, repeated with values far from the fit counted less (Huber), so that an object
-    or a joint does not bend it. The knee follows the residuals' median, which
+    Least squares, repeated with less weight on values far from the fit (Huber), so that an object
+    or a joint does not bend it. The Huber threshold follows the median of the residuals, which
     scipy.optimize.least_squares cannot do.
     """
     basis, flat = _quadratic(*values.shape), values.reshape(-1)
@@ -224,9 +224,9 @@ def _quadratic(height: int, width: int) -> np.ndarray:
 
 
 def unrest(image: np.ndarray) -> float:
-    """Return by how much the blocks of a crop (n, n, 3) uint8 sRGB vary, in L*a*b*.
+    """Return how much the blocks of a crop (n, n, 3) uint8 sRGB vary: root mean square, L*a*b*.
 
-    Smooth shading is taken away first.
+    Smooth shading is removed first.
     """
     small = cv2.resize(image, (UNREST_BLOCKS, UNREST_BLOCKS), interpolation=cv2.INTER_AREA)
     lab = rgb_to_lab(small / 255.0)

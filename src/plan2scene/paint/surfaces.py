@@ -28,20 +28,21 @@ if TYPE_CHECKING:
 
 #: Observations of fewer pixels (share of the photo's) are left out.
 LEAST_WEIGHT = 2e-5
-#: A surface of which a photo taken in its room shows more takes no colour from other rooms' photos.
+#: If a photo taken in its room shows more of a surface, photos of other rooms are ignored for it.
 OWN_WEIGHT = 2e-3
-#: A white door leaf has at least this share of photos, together; chosen on two flats (development).
+#: A white door leaf with less weight, summed over photos, is left out; chosen on two flats
+#: (development).
 LEAST_WHITE_DOOR = 5e-3
-#: Paints that differ by less (CIEDE2000) are about one.
+#: Paints that differ by less (CIEDE2000) count as one.
 ONE_PAINT = 14.0
-#: From so many rooms on whose walls are of wood these are one panelling, by reasoning.
+#: If at least this many rooms have walls of wood, these are one panelling. Chosen by reasoning.
 PANELLED_ROOMS = 3
 #: No paint reflects more, linear.
 MOST_PAINT = 0.9
-#: L* from which on what is seen beside a window's frame is glass, and the share of the rest that is
-#: wood where trim is: .5 on a listing with wooden windows (development), .02 on four other homes.
+#: Pixels of window frames from this L* on are glass. Trim is of wood if more than this share of the
+#: other pixels is: .5 on a listing with wooden windows (development), .02 on four other homes.
 GLASS, LEAST_WOOD = 92.0, 0.3
-#: Before photo and number of a door leaf whose opening is not known, in place of its id.
+#: A door leaf whose opening is not known has, for its id, this and then its photo and plane number.
 UNPLACED = "?"
 #: Key of the paint of frames and skirting.
 TRIM = SurfaceKey("", "trim")
@@ -51,8 +52,8 @@ _COLUMNS = ["room_id", "surface", "paint", "white", "photos"]
 def observations_of(path: str | Path, *, accents: bool = True) -> list[Observation]:
     """Return the usual colour of each surface and door in each photo, of ``colours.parquet``.
 
-    With `accents` walls of another paint than their room's are surfaces of their own: ``wall.``
-    and the ids of those on one plane, joined by ``|``.
+    With `accents` an accent wall is a surface of its own, named ``wall.`` and the ids of the walls
+    on its plane, joined by ``|``.
     """
     table = without_glimpses(read_parquet(path)[0])
     table = table[table["surface"] != "frame"].copy()
@@ -61,7 +62,7 @@ def observations_of(path: str | Path, *, accents: bool = True) -> list[Observati
         table.loc[mine & (table["surface"] == "wall"), "surface"] = f"wall.{walls}"
         rest = (table["room_id"] == room_id) & (table["surface"] == "wall")
         if table.loc[rest, "weight"].sum() < WHOLE:
-            table = table[~rest]  # what little is seen beside an accent may be a curtain
+            table = table[~rest]  # so few pixels beside an accent may be a curtain
     doors = table["surface"] == "door"
     table["key"] = table["room_id"].where(~doors, table["walls"])
     unknown = UNPLACED + table["photo"] + "/" + table["plane"].astype(str)
@@ -92,8 +93,8 @@ def observations_of(path: str | Path, *, accents: bool = True) -> list[Observati
 def _mixed_light(planes: pd.DataFrame) -> float:
     """Return how much light varies between lamp and sky in a photo, as in `Observation.mixed`.
 
-    The deviation of the middle half (median absolute deviation) on each wall and ceiling that is
-    seen from within its room.
+    It is the weighted root mean square, over walls and ceilings that are seen from within their
+    room, of a robust standard deviation (from the median absolute deviation).
     """
     of_room = planes[planes["surface"].isin(("wall", "ceiling")) & planes["own"]]
     if of_room.empty:
@@ -109,8 +110,8 @@ def _mixed_light(planes: pd.DataFrame) -> float:
 def trim_paint(colours: str | Path, light: Mapping[str, np.ndarray]) -> np.ndarray | None:
     """Return the linear reflectance (3,) of a house's trim; None where it is not of wood.
 
-    Frames of windows tell it (``colours.parquet``), each in the light (3,) of its photo. What is
-    brighter than white paint is glass; enough of the rest has to be wood.
+    The colours of window frames (``colours.parquet``) are divided by the light (3,) of their photo.
+    Pixels brighter than `GLASS` are left out; more than `LEAST_WOOD` of the rest has to be wood.
     """
     table, _ = read_parquet(colours)
     frames = table[(table["surface"] == "frame") & table["photo"].isin(light)]
@@ -133,9 +134,9 @@ def trim_paint(colours: str | Path, light: Mapping[str, np.ndarray]) -> np.ndarr
 def joined(
     observations: Sequence[Observation], materials: Mapping[SurfaceKey, str]
 ) -> tuple[list[Observation], dict[SurfaceKey, SurfaceKey]]:
-    """Return observations in which surfaces of one material are one, and whose paint each has.
+    """Merge surfaces of one material; return the observations, and each surface's merged key.
 
-    Walls of their room light walls and ceilings.
+    Walls and ceilings get the walls of their room as `Observation.lit_by`.
     """
     keys = sorted({item.surface for item in observations})
     first: dict[str, SurfaceKey] = {}
@@ -149,7 +150,7 @@ def joined(
 
 
 def floor_materials(path: str | Path) -> dict[SurfaceKey, str]:
-    """Return which floors share a material, of ``materials.parquet``."""
+    """Return the name of the material of each floor, from ``materials.parquet``."""
     table, _ = read_parquet(path)
     floors = table[table["surface"] == "floor"]
     return {SurfaceKey(row.room_id, "floor"): row.material for row in floors.itertuples()}
@@ -158,10 +159,10 @@ def floor_materials(path: str | Path) -> dict[SurfaceKey, str]:
 def panelling(
     paint: Mapping[SurfaceKey, np.ndarray], white: Collection[SurfaceKey]
 ) -> list[SurfaceKey]:
-    """Return the walls of wood of a panelled house, of linear reflectances (3,); else none.
+    """Return the walls that are of wood if the house is panelled, else none.
 
-    Pixels of one room tell little of it: lamps, beds and bunks of the same wood are in the photos.
-    A house has one panelling, so that the median of its walls tells its paint.
+    `paint` are linear reflectances (3,). One room gives a poor estimate: its photos also show
+    lamps, and beds of the same wood. A house has one panelling: its paint is these walls' median.
     """
     walls = [key for key in sorted(paint) if key.surface == "wall" and key not in white]
     levels = [linear_to_srgb(np.minimum(paint[key], 1.0)) for key in walls]
@@ -178,15 +179,15 @@ def write_paint(
     house: str,
     accents: bool = True,
 ) -> None:
-    """Estimate the paint of a house of ``colours.parquet``; write ``paint.parquet``.
+    """Estimate the paint of a house from ``colours.parquet``; write ``paint.parquet``.
 
-    Floors that share a material (``materials.parquet``) have one paint, as have walls of one
-    :func:`panelling`; other walls and ceilings are told apart by their light, not by the material
-    that they seem to share. `accents` are as of :func:`observations_of`.
+    Floors that share a material (``materials.parquet``) have one paint, and so have the walls of a
+    :func:`panelling`. Other walls and ceilings each have a paint of their own, even if they seem to
+    share a material. `accents` is that of :func:`observations_of`.
 
-    A row for each observed surface: ``room_id (of a door the id of its opening, or `UNPLACED`),
-    surface, paint (3 floats, linear reflectance), white (bool), photos (names joined by |)``. One
-    of `TRIM` where frames and skirting are of wood.
+    The file has a row for each observed surface: ``room_id (of a door the id of its opening, or
+    `UNPLACED`), surface, paint (3 floats, linear reflectance), white (bool), photos (names joined
+    by |)``, and a row `TRIM` if frames and skirting are of wood.
     """
     import pandas as pd
 
@@ -212,7 +213,7 @@ def write_paint(
         }
         for key, same in owner.items()
         for surface in _each(key)
-        # A little white in a doorway may be its frame or the wall behind it.
+        # A few white pixels in a doorway may be its frame or the wall behind it.
         if key.surface != "door" or same not in estimate.white or shares[key] >= LEAST_WHITE_DOOR
     ]
     trim = trim_paint(colours, estimate.light)
@@ -223,7 +224,7 @@ def write_paint(
 
 
 def _each(key: SurfaceKey) -> list[str]:
-    """Return the surface, or ``wall.{id}`` of each accent wall on one plane."""
+    """Return the kind of a surface; of an accent, ``wall.{id}`` for each wall on its plane."""
     kind, _, walls = key.surface.partition(".")
     return [f"wall.{name}" for name in walls.split("|")] if walls else [kind]
 
@@ -251,19 +252,19 @@ def paint_gains(
     whites: Collection[SurfaceKey],
     usual_white: Sequence[float],
 ) -> dict[SurfaceKey, np.ndarray]:
-    """Return the factors (3,) that take the textures of all surfaces to their paint.
+    """Return the factors (3,) on linear RGB that give the texture of each surface its paint.
 
-    A surface whose paint is known gets it. Those that `plain_whites` names are white. Others get
-    the factor of a known one of their kind, or of all, whose texture looks most alike.
+    A surface of known paint gets that paint; those in `whites` get white. Each other surface gets
+    the factor of the most similar texture of known paint, of its own kind if there is one.
 
     Parameters
     ----------
     shown : dict of SurfaceKey to (3,) float
         Linear RGB of the texture of each surface.
     paint
-        As of :func:`read_paint`.
+        As from :func:`read_paint`.
     whites
-        Of :func:`plain_whites`.
+        As from :func:`plain_whites`.
     usual_white : (3,) float
         Linear reflectance of white paint.
     """
@@ -287,11 +288,11 @@ def plain_whites(
     unseen: Iterable[SurfaceKey],
     open_air: Collection[str] = (),
 ) -> set[SurfaceKey]:
-    """Return which walls and ceilings of the `unseen` are white, as of :func:`read_paint`.
+    """Return which walls and ceilings of the `unseen` are white.
 
-    A strong colour stays in the rooms that show it: what no photo shows has the paint of most known
-    surfaces of its kind where most have about one, as panelled rooms do; else it is white. Rooms in
-    the `open_air` (ids) have no say.
+    `paint` and `white` are as from :func:`read_paint`. A surface of unknown paint is white, unless
+    more than half of the known surfaces of its kind, and at least two, share one paint that is not
+    white, as in a panelled house. Rooms in the `open_air` (ids) do not count.
     """
     whites = set()
     indoors = [other for other in paint if other.room_id not in open_air]
@@ -310,10 +311,10 @@ def plain_whites(
 
 
 def grey_floor(predicted: np.ndarray) -> np.ndarray:
-    """Return the paint (3,) of a floor of stone or carpet that nothing in the house tells of.
+    """Return the paint (3,) of a floor of stone or carpet whose colour is only predicted.
 
-    It has the hue of pale floors and the brightness of what is `predicted` (3,), linear RGB, from
-    a usual dark one to white: a prediction alone is no ground for a pink bathroom.
+    It has the hue of pale floors and the brightness of `predicted` (3,), linear RGB, clipped to
+    between a usual dark floor and white: a prediction alone does not justify a pink bathroom.
     """
     mean, deviation = (axes[0] for axes in (PaintPrior.pale, PaintPrior.pale_deviation))
     bright = np.clip(log_axes(predicted)[0], mean[0] - deviation[0], PaintPrior.white[0])
@@ -321,7 +322,7 @@ def grey_floor(predicted: np.ndarray) -> np.ndarray:
 
 
 def _commonest(paints: Sequence[np.ndarray]) -> list[int]:
-    """Return the largest group of paints (3,) that look like one of them, that one first."""
+    """Return the indices of the largest group of paints (3,) near one of them, that one first."""
     if not paints:
         return []
     labs = rgb_to_lab(linear_to_srgb(np.array(paints)))
@@ -333,7 +334,7 @@ def _commonest(paints: Sequence[np.ndarray]) -> list[int]:
 def _alike(
     shown: Mapping[SurfaceKey, np.ndarray], one: SurfaceKey, others: Sequence[SurfaceKey]
 ) -> SurfaceKey:
-    """Return the surface whose texture's log colour is nearest."""
+    """Return the one of `others` whose texture has the log colour nearest to that of `one`."""
     target = log_axes(shown[one])
     away = [float(np.linalg.norm(log_axes(shown[other]) - target)) for other in others]
     return others[int(np.argmin(away))]
@@ -344,9 +345,9 @@ def door_paints(
 ) -> dict[str, np.ndarray]:
     """Return the linear reflectance (3,) of door leaves by the id of their opening.
 
-    Coloured leaves of about one paint are one material. The id "" stands for all doors that no
-    photo shows: they are like the others where at least two more are coloured than white. There is
-    none where they are white.
+    The largest group of coloured leaves of about one paint gets its mean. The id "" stands for all
+    doors that no photo shows: they get the median of the coloured doors, if these outnumber the
+    white ones by at least two. Otherwise there is no "", and these doors are white.
     """
     doors = {key.room_id: value for key, value in paint.items() if key.surface == "door"}
     names = [name for name in doors if SurfaceKey(name, "door") not in white]

@@ -1,4 +1,4 @@
-"""The plan formats: one registry, which :func:`read_plan` and its messages follow.
+"""The registry of plan formats, which :func:`read_plan` and its messages use.
 
 A format is an entry point of the group :data:`GROUP` that names a :class:`PlanFormat`. Formats of
 other packages are found in the same way (docs/extending.md).
@@ -21,25 +21,25 @@ GROUP = "plan2scene.plan_formats"  #: Entry points of this group name a :class:`
 
 
 def plan_formats() -> tuple[PlanFormat, ...]:
-    """Return all registered formats in the order in which they are asked."""
+    """Return all registered formats in the order in which they are tried."""
     return tuple(sorted(plugins(GROUP, PlanFormat).values(), key=lambda item: item.fallback))
 
 
 def reader_code(suffix: str) -> list[str]:
-    """Return what changes when the code of a reader does that a file with this suffix can have."""
+    """Return strings that change with the code of the readers of this suffix (if none, of all)."""
     named = [item.name for item in plan_formats() if suffix in item.suffixes]
     return code_of(GROUP, PlanFormat, *(named or plugins(GROUP, PlanFormat)))
 
 
 def may_lack_heights(path: Path) -> bool:
-    """Return whether a plan may tell no heights of ceilings, by a file's name and first bytes."""
+    """Return whether a plan may lack heights of ceilings, by the file's name and first bytes."""
     plan = PlanFile(path, "")
     suffix = path.suffix.lower()
     return any(item.lacks_heights(plan) for item in plan_formats() if suffix in item.suffixes)
 
 
 def format_of(plan: PlanFile) -> PlanFormat | None:
-    """Return the format of a file by its content; None for none of them."""
+    """Return the format of a file by its content; None if no format accepts it."""
     for entry in plan_formats():
         with one_line(plan, entry):
             if entry.sniff(plan):
@@ -49,11 +49,11 @@ def format_of(plan: PlanFile) -> PlanFormat | None:
 
 @contextmanager
 def one_line(plan: PlanFile, plan_format: PlanFormat) -> Iterator[None]:
-    """Turn what a format's reader did not foresee in a file into one line.
+    """Turn errors that a format's reader did not foresee into an InputError of one line.
 
-    An InputError without a file gets this one; any other exception (but what the system refuses,
-    and a missing package) becomes an InputError that names its type, with the exception as its
-    cause and its traceback in the log at level INFO: it is a fault of the reader, too.
+    An InputError that names no file gets this one. Any other exception (except errors of the
+    system, missing packages and WorkflowError) becomes an InputError that names its type and has it
+    as its cause. The traceback goes to the log at level INFO: the reader has a fault, too.
     """
     try:
         with installed(plan_format.needs, plan.house_id):
@@ -78,7 +78,7 @@ def read_plan(
     metres_per_pixel: float | None = None,
     dxf_layers: Mapping[str, str] | None = None,
 ) -> House:
-    """Return the house of any plan of :func:`plan_formats`; its content tells which.
+    """Return the house of a plan in one of :func:`plan_formats`; its content decides which.
 
     Parameters are those of :class:`PlanFile`; a format in pixels needs its scale.
     """

@@ -17,8 +17,8 @@ from plan2scene.house import Door, Point, Ring, Room, Wall
 
 #: Outlines closer than this (metres) share one wall when walls are made from outlines.
 SHARED_TOLERANCE = 0.01
-MAX_WALLS = 20_000  #: Most walls that outlines make
-#: A room whose outline is this near (metres) to a door, beyond the wall's depth, is behind it.
+MAX_WALLS = 20_000  #: Largest number of walls that are made from outlines
+#: A room is behind a door if its outline is within the wall's depth plus this (metres) of it.
 BEHIND_TOLERANCE = 0.1
 
 
@@ -74,7 +74,7 @@ def find_doors(rooms: Sequence[Room], walls: Iterable[Wall]) -> tuple[Door, ...]
 
 
 class _RoomsNear:
-    """Finds rooms of a level by points."""
+    """Finds the room of a level that is near a point."""
 
     def __init__(self, rooms: Sequence[Room]) -> None:
         self._ids = [room.id for room in rooms]

@@ -21,7 +21,7 @@ MAX_LEVELS = 50  #: Most levels of a house
 
 @dataclass(frozen=True)
 class StairLimits:
-    """What levels and flights of stairs may be, metres."""
+    """Limits of levels and flights of stairs, metres."""
 
     step_off: float = 0.3  #: one steps on and off a flight this far from its ends
     #: A step is at most so high and at least so deep (usual building codes).
@@ -38,8 +38,8 @@ STAIRS = StairLimits()
 def read_levels(source: Source, document: Mapping[str, Any]) -> tuple[Level, ...]:
     """Return the entries ``levels`` of a file, the lowest first; none where it has none.
 
-    InputError for two of one id or height. Levels in another program's form, without an elevation,
-    are left out with a warning.
+    Raises InputError for two levels with one id, or with elevations that are too near. If a level
+    has no elevation (another program's form), all are left out with a warning.
     """
     levels = []
     for item in source.items(document.get("levels"), "levels"):
@@ -68,7 +68,7 @@ def read_levels(source: Source, document: Mapping[str, Any]) -> tuple[Level, ...
 def used_levels(
     source: Source, levels: Sequence[Level], rooms: Iterable[Room]
 ) -> tuple[Level, ...]:
-    """Return the levels that have rooms; the others are warned of."""
+    """Return the levels that have rooms; each other one gives a warning."""
     used = {room.level for room in rooms}
     for level in levels:
         if level.id not in used:
@@ -145,7 +145,7 @@ def step_count(rise: float) -> int:
 def linked(
     stairs: Iterable[Stairs], rooms: Sequence[Room], levels: Sequence[Level]
 ) -> tuple[Stairs, ...]:
-    """Return flights with the rooms that they join, by where one steps on and off.
+    """Return flights with the rooms that they join, found where one steps on and off.
 
     `levels` go from the lowest to the highest; without any, nothing is above.
     """
@@ -160,7 +160,7 @@ def linked(
 
 
 def _room_at(stairs: Stairs, rooms: Sequence[Room], level: str, *, foot: bool) -> str | None:
-    """Return the room of a level that one end of a flight is in: before it, else on it."""
+    """Return the room of a level at one end of a flight: at a point beyond it, else on it."""
     (x0, z0), (x1, z1) = stairs.start, stairs.end
     ux, uz = (x1 - x0) / stairs.length, (z1 - z0) / stairs.length
     for off in (STAIRS.step_off, -0.05):
@@ -172,7 +172,7 @@ def _room_at(stairs: Stairs, rooms: Sequence[Room], level: str, *, foot: bool) -
 
 
 def _across(house: House, stairs: Stairs) -> Iterator[str]:
-    """Yield the ids of the walls, of the level below and above, that go through a flight."""
+    """Yield the ids of walls, of a flight's level and of the one above, that cross the flight."""
     above = house.level_above(stairs.level)
     levels = {stairs.level, stairs.level if above is None else above.id}
     level_by_room = {room.id: room.level for room in house.rooms}
@@ -185,7 +185,7 @@ def _across(house: House, stairs: Stairs) -> Iterator[str]:
 
 
 def _doors_into_the_air(house: House) -> Iterator[tuple[str, str, str]]:
-    """Yield (expected, found, room) of doors of the higher levels that no room is behind."""
+    """Yield (expected, found, room) for doors of higher levels that have no room behind."""
     higher = {level.id for level in house.levels[1:]}
     level_by_room = {room.id: room.level for room in house.rooms}
     outer = {(door.room_a, door.opening_id) for door in house.doors if door.room_b is None}
@@ -199,7 +199,7 @@ def _doors_into_the_air(house: House) -> Iterator[tuple[str, str, str]]:
 
 
 def storey_oddities(house: House) -> Iterator[tuple[str, str, str]]:
-    """Yield (expected, found, room) of levels without stairs, stairs and doors to nowhere."""
+    """Yield (expected, found, room) for odd stairs, levels without any, and doors to nowhere."""
     yield from _doors_into_the_air(house)
     elevations = {level.id: level.elevation for level in house.levels}
     for stairs in house.stairs:

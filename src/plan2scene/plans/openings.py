@@ -13,7 +13,7 @@ from plan2scene.plans.parse import Source
 
 #: A segment and its wall may differ in direction by this angle (radians).
 MAX_ANGLE = math.radians(20.0)
-MIN_SHARE = 0.5  #: Less of an opening than this share on one wall is no match
+MIN_SHARE = 0.5  #: A wall that holds less than this share of an opening does not match
 
 
 @dataclass(frozen=True)
@@ -48,9 +48,9 @@ def place_openings(
 ) -> list[Wall]:
     """Return the walls with the segments' openings on them.
 
-    A segment goes to the nearest wall within `tolerance` metres that runs its way and holds at
-    least half of it; where two rooms have a wall of their own there, the hole is in both, with
-    one id (not without `both_sides`). What sticks out of the wall is cut with a warning.
+    A segment goes to the nearest wall within `tolerance` metres that has its direction and holds at
+    least half of it. With `both_sides`, if two rooms each have a wall of their own there, both
+    walls get the hole, with one id. A part beyond the wall's end is cut off with a warning.
 
     Raises InputError for a segment without length or without a wall.
     """
@@ -81,7 +81,7 @@ def place_openings(
 
 
 def _matches(lines: np.ndarray, segment: Segment) -> list[_Match]:
-    """Return where a segment falls on walls that run its way.
+    """Return where a segment lies on each of the walls that have its direction.
 
     `lines` is (n, 5) float: x and z of a wall's start and of its end, and its length, metres.
     """
@@ -104,7 +104,7 @@ def _matches(lines: np.ndarray, segment: Segment) -> list[_Match]:
 
 
 def _one_per_side(walls: Sequence[Wall], near: list[_Match]) -> list[_Match]:
-    """Return the nearest wall, and that of another room when both rooms have their own."""
+    """Return the nearest match, and the nearest of another room if both have their own walls."""
     chosen = [near[0]]
     if len(walls[near[0].wall].room_ids) == 1:
         first = walls[near[0].wall].room_ids

@@ -1,4 +1,4 @@
-"""Values out of files from strangers: every check names file, house, room, expected and found."""
+"""Checked values from untrusted files: a fault names file, house, room, expected and found."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from plan2scene.house import ROOM_TYPES, Point, Ring, Room
 
 #: Ids of houses, rooms, walls and openings (they become file names).
 ID_PATTERN = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_.-]*")
-MAX_NAME_LENGTH = 100  #: Longest name for people, in letters
+MAX_NAME_LENGTH = 100  #: Longest display name, in letters
 MAX_COORDINATE = 1000.0  #: Largest coordinate in metres; beyond it the scale of the plan is wrong
 MAX_ITEMS = 20_000  #: Largest number of entries of one list in a plan
 MAX_ROOMS = 1000  #: Largest number of rooms of one house
-#: Largest number of corners of all rooms of a plan whose walls are worked out from them.
+#: Largest number of corners of all rooms, in plans whose walls are made from the outlines.
 MAX_CORNERS = 5000
 SAME_POINT = 1e-6  #: Points closer than this (metres) are one point
 #: Raster-to-vector labels and the room type that each means.
@@ -54,7 +54,7 @@ class Source:
         return InputError(expected, str(found), file=self.file, house=self.house_id, room=room)
 
     def warn(self, expected: str, found: object, room: str = "") -> None:
-        """Note a fault that the house can live with; each line once."""
+        """Add the warning of a fault that does not stop the house; each line once."""
         line = str(self.fault(expected, found, room))
         if line not in self.warnings:
             self.warnings.append(line)
@@ -99,7 +99,7 @@ class Source:
         return text
 
     def shown_name(self, value: Any) -> str:
-        """Return the name for people that a file gives; empty for none."""
+        """Return the display name that a file gives; empty for none."""
         text = value if isinstance(value, str) else ""
         name = " ".join(text.encode("utf-8", "replace").decode().split())[:MAX_NAME_LENGTH]
         return "".join(letter for letter in name if letter.isprintable())
@@ -131,7 +131,7 @@ class Source:
         return self.ring([(x, z) for x, z in pairs], room)
 
     def limit_corners(self, rooms: Iterable[Room]) -> None:
-        """Raise InputError for more corners than walls are worked out from."""
+        """Raise InputError if the rooms have more than `MAX_CORNERS` corners."""
         corners = sum(len(ring) for room in rooms for ring in room.rings)
         if corners > MAX_CORNERS:
             raise self.fault(f"at most {MAX_CORNERS} corners of all rooms", corners)
@@ -163,8 +163,8 @@ class Source:
 def parse_json(text: str, file: str | Path, house_id: str = "") -> Any:
     """Return parsed JSON.
 
-    InputError for a syntax error, NaN, a repeated key, deep nesting, and half a surrogate pair,
-    which no file can hold.
+    Raises InputError for a syntax error, NaN, a repeated key, deep nesting, and half a surrogate
+    pair, which UTF-8 cannot encode.
     """
 
     def refuse(name: str) -> float:

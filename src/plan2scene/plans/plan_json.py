@@ -34,8 +34,8 @@ def house_of_plan(document: Any, house_id: str, *, file: str = "") -> House:
     Walls follow the outlines; where two outlines coincide they share one. Openings lie on the
     walls within `SNAP_TOLERANCE` metres; doors join the rooms on both sides of their wall.
 
-    Raises InputError for the first thing that the schema forbids, for a level that the plan lacks,
-    and for an opening that no wall is near.
+    Raises InputError for the first entry that the schema forbids, for a level that the plan lacks,
+    and for an opening without a wall nearby.
     """
     source = Source(file, house_id)
     source.identifier(house_id, "a house name")
@@ -77,7 +77,7 @@ def _with_openings(
 ) -> list[Wall]:
     """Return the walls with the openings of their level, level by level.
 
-    An opening that only another level has a wall for is left out with a warning.
+    An opening that fits only a wall of another level is left out with a warning.
     """
     level_by_room = {room.id: room.level for room in rooms}
     by_level: dict[str, list[Wall]] = {}
@@ -98,7 +98,7 @@ def _with_openings(
 def _on_level(
     source: Source, segment: Segment, level: str, own: Sequence[Wall], others: Sequence[Wall]
 ) -> bool:
-    """Return whether an opening is one of its level; a warning where it is another level's."""
+    """Return whether to place an opening on its level; warn if it fits only another level."""
 
     def fits(walls: Sequence[Wall]) -> bool:
         scratch = Source(source.file, source.house_id)
@@ -116,7 +116,7 @@ def _on_level(
 
 
 def _stairs(source: Source, entries: list[dict[str, Any]], levels: Sequence[Level]) -> list[Stairs]:
-    """Return the flights as drawn; ids are given to those without."""
+    """Return the flights as drawn; a flight without an id gets one."""
     flights = []
     for number, entry in enumerate(entries):
         name = entry.get("id", f"stairs_{number}")
@@ -128,7 +128,7 @@ def _stairs(source: Source, entries: list[dict[str, Any]], levels: Sequence[Leve
 def _segments(
     source: Source, entries: list[dict[str, Any]], levels: Sequence[Level]
 ) -> dict[str, list[Segment]]:
-    """Return the openings as drawn, by level; ids are given to those without."""
+    """Return the openings as drawn, by level; an opening without an id gets one."""
     segments: dict[str, list[Segment]] = {}
     seen: set[str] = set()
     for number, entry in enumerate(entries):
@@ -149,7 +149,7 @@ def _segments(
 
 
 def _check_schema(source: Source, document: Any) -> None:
-    """Raise InputError for the first place where a document leaves the schema."""
+    """Raise InputError for the first place where a document violates the schema."""
     from jsonschema import Draft202012Validator
 
     error = next(Draft202012Validator(plan_schema()).iter_errors(document), None)

@@ -1,4 +1,4 @@
-"""What people call rooms, in several languages, and the room type that each means."""
+"""Names of rooms in several languages, and the room type that each name means."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ _LAUNDRY = (
     "utility util laundry laund lndry ldry l_dry ldy buand lavanderia lavadero lavandaria "
     "bijkeuken hwr hauswirtschaft tvatt tvattstuga vaskerom bryggers kodinhoitohuone pralnia"
 )
-#: Stems of words (lower case, no accents; `_` for a space) by room type. The first type that has a
-#: stem of a word decides: "bathroom" is told before "room" could be. Named rooms that no type fits
-#: (with a roof, of no usual use) are Unknown.
+#: Stems of words (lower case, no accents; `_` for a space) by room type. The first type with a stem
+#: in a name decides: "bathroom" is found before "room" could be. Indoor rooms of a use that has no
+#: type (garage, office) are Unknown.
 _STEMS = {
     "Bathroom": (
         "bath bathrm bathroom masterbath badez bad salle_de_bain salle_deau bano aseo bagno bth "
@@ -94,13 +94,13 @@ _STEMS = {
         "гостин зал столов סלון מגורים אוכל リビング ダイニング 居間 客厅 ldk"
     ),
 }
-#: Whole names: a room (German) that is for nothing else, and what stands on closets.
+#: Names that match only as a whole: "zimmer" alone is a bedroom (German); abbreviations.
 _WHOLE = {"zimmer": "Bedroom", "pokoj dzienny": "Reception", "w i cl": "Closet", "k": "Kitchen"}
 _WHOLE |= dict.fromkeys(("c", "cl", "st"), "Closet")
 _TYPES = {name.lower(): name for name in ROOM_TYPES} | _WHOLE
 
 
-#: Latin letters that are no other letter with an accent.
+#: Latin letters that Unicode does not decompose into a letter and an accent.
 WRITTEN = str.maketrans(
     {"æ": "ae", "œ": "oe", "ø": "o", "ł": "l", "đ": "d", "ð": "d", "þ": "th", "ß": "ss", "ı": "i"}
     | {"Æ": "Ae", "Œ": "Oe", "Ø": "O", "Ł": "L", "Đ": "D", "Ð": "D", "Þ": "Th"}
@@ -111,8 +111,8 @@ WRITTEN = str.maketrans(
 def room_types(name: str) -> tuple[str, ...]:
     """Return the room types that a name means, in the order of its words; empty for none.
 
-    A name may join several rooms ("Living / Kitchen"): each is told alone. A room of no usual use
-    ("Garage") is Unknown.
+    A name may join several rooms ("Living / Kitchen"): each part is read alone. A room of a use
+    that has no type ("Garage") is Unknown.
     """
     types: list[str] = []
     for part in re.split(r"(?<!\b[wW])[/+&,;|]| und | and | et | y | e | en ", f"{name} "):
@@ -123,12 +123,12 @@ def room_types(name: str) -> tuple[str, ...]:
 
 
 def is_garage(name: str) -> bool:
-    """Return whether a room is called a garage, and nothing else that is used."""
+    """Return whether a name means a garage, and no room of another type."""
     return room_types(name) == ("Unknown",) and _has_stem(_words_of(name), _GARAGE)
 
 
 def has_bare_floor(types: Sequence[str], name: str) -> bool:
-    """Return whether a room is a kitchen, laundry or entrance hall alone: few have a carpet."""
+    """Return whether a room is only a kitchen, laundry or entrance: few of them have a carpet."""
     laundry = room_types(name) == ("Unknown",) and _has_stem(_words_of(name), _LAUNDRY)
     return laundry or tuple(types) in (("Kitchen",), ("Entrance",))
 
@@ -151,7 +151,7 @@ def _words_of(text: str) -> list[str]:
 
 
 def _has_stem(words: Sequence[str], stems: str) -> bool:
-    """Return whether words have one of some `stems`."""
+    """Return whether the words of a name contain one of the `stems`."""
     joined = f"_{'_'.join(words)}"
     return any(
         ("_" in stem and f"_{stem}" in joined) or any(_is(word, stem) for word in words)
@@ -171,7 +171,7 @@ def _without_accents(text: str) -> str:
 def _is(word: str, stem: str) -> bool:
     """Return whether a word is a stem, its plural, or (long stems) begins or ends with it.
 
-    Scripts without spaces hold it anywhere; Hebrew and Russian words begin with it.
+    In scripts without spaces it may be anywhere in a word; Hebrew and Russian words begin with it.
     """
     if not stem.isascii():
         return stem in word if stem > "\u3000" else word.startswith(stem)

@@ -18,9 +18,9 @@ def upright(
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return (scene, arch) with y up and in metres; `regions` are read as `rooms`.
 
-    Their types may be any names; ids may have `|`, as "wall|room|0", which becomes `_`.
-    The axis that an arch or scene names as `up` becomes y by a rotation, z up as (x, z, -y).
-    An arch without one has that of its scene, a scene without one is y up.
+    The types of regions may be any names. A `|` in ids, as in "wall|room|0", becomes `_`.
+    A rotation turns the axis that an arch or scene names as `up` to y; z up becomes (x, z, -y).
+    An arch without `up` has that of its scene; a scene without `up` is y up.
     """
     outer = _axis(source, scene.get("up"), _UP)
     inner = _axis(source, arch.get("up"), outer)
@@ -49,7 +49,7 @@ def upright(
 
 
 def _region(value: Any) -> Any:
-    """Return a region with the room types that its names mean, `other` for none."""
+    """Return a region with the room types that its names mean; `other` for an unknown name."""
     if not isinstance(value, Mapping):
         return value
     names = value.get("types", value.get("type"))
@@ -81,7 +81,7 @@ def _axis(source: Source, value: Any, default: list[float]) -> list[float]:
 
 
 def _rotation(up: list[float]) -> np.ndarray:
-    """Return the (3, 3) rotation that makes `up` y, keeping x (y where x is up)."""
+    """Return the (3, 3) rotation that turns `up` to y and keeps x (if x is up: turns y to x)."""
     side = np.array([0.0, 1.0, 0.0] if up[0] else [1.0, 0.0, 0.0])
     return np.array([side, up, np.cross(side, up)])
 
@@ -115,7 +115,7 @@ def _element(source: Source, value: Any, matrix: np.ndarray, scale: float) -> di
 
 
 def _deep(value: Any, point: Callable[[Any], list[float]], depth: int = 0) -> Any:
-    """Return a point, list of points or list of such lists, each point by `point`."""
+    """Apply `point` to a point, to a list of points or to a list of such lists."""
     nested = isinstance(value, list) and bool(value) and isinstance(value[0], list)
     return (
         [_deep(item, point, depth + 1) for item in value] if nested and depth < 3 else point(value)
@@ -147,7 +147,7 @@ def _object(source: Source, value: Any, turn: np.ndarray) -> Any:
 
 
 def _metres(source: Source, value: Any, what: str, scale: float) -> float:
-    """Return a number of the file's unit in metres."""
+    """Return a number in the file's unit as metres."""
     try:
         scaled = value * scale if type(value) in (int, float) else value
     except OverflowError:

@@ -1,6 +1,6 @@
 """Reader of scene.json, the paper's extension of the Smart Scene Toolkit's scene state.
 
-Tolerates what real files do (docs/floorplans.md lists it); each repair is a warning of the house.
+It repairs the faults of real files (docs/floorplans.md); each repair is a warning of the house.
 """
 
 from __future__ import annotations
@@ -34,15 +34,15 @@ from plan2scene.plans.parse import SAME_POINT, Source, parse_json
 from plan2scene.plans.plan_file import PlanFormat
 from plan2scene.plans.scene_frame import upright
 
-STOREY = 1.8  #: Floors with no other between that are so far apart (metres) are two storeys
+STOREY = 1.8  #: Floors at successive heights at least this far apart (metres) are two storeys
 
 
 def levels_of_rooms(
     source: Source, arch: Mapping[str, Any], room_ids: Sequence[str], floors: Mapping[str, float]
 ) -> tuple[tuple[Level, ...], dict[str, Level]]:
-    """Return the levels, and that of each room: by what its entry of `rooms` names.
+    """Return the levels, and the level of each room, which its entry in `rooms` names.
 
-    Where the file has no levels, `floors` (y in metres by room) that lie a storey apart make some.
+    If the file has no levels, they are made of `floors` (y in metres by room) a storey apart.
     """
     levels = read_levels(source, arch)
     if not levels:
@@ -63,7 +63,7 @@ def levels_of_rooms(
 def _levels_of_floors(
     room_ids: Sequence[str], floors: Mapping[str, float]
 ) -> tuple[tuple[Level, ...], dict[str, Level]]:
-    """Return levels at heights that are `STOREY` apart, none where all floors are nearer."""
+    """Return levels at heights that are `STOREY` apart; none if there is only one such height."""
     heights = sorted(floors.values())
     starts = [y for k, y in enumerate(heights) if k == 0 or y - heights[k - 1] >= STOREY]
     if len(starts) < 2:
@@ -190,7 +190,7 @@ def _read_hole(source: Source, value: Any, wall: Wall, number: int) -> Opening:
         raise source.fault(f"hole {hole_id} with top above bottom", f"{y0:g} to {y1:g} m", room)
     name = f"hole {hole_id} on wall {wall.id}"
     start, end = _cut(source, min(x0, x1), max(x0, x1), wall.length, f"{name}, along", room)
-    # Low walls (balconies) carry full doors in real plans: the hole is cut at any excess.
+    # In real plans low walls (balconies) have doors of full height: cut the hole at any excess.
     bottom, top = _cut(source, y0, y1, wall.height, f"{name}, up", room, tall=True)
     guessed = hole.get("guessed") is True
     kind = "passage" if hole.get("passage") else kind
@@ -221,7 +221,7 @@ def _cut(
 def read_scene_json(path: str | Path, house_id: str) -> House:
     """Return the house of a scene.json file, named `house_id`: the file's own id is not used.
 
-    ``{"format": "sceneState", "scene": {...}}``, ``{"scene": {...}}`` or a bare ``arch``.
+    It holds ``{"format": "sceneState", "scene": {...}}``, ``{"scene": {...}}`` or an ``arch``.
 
     Raises InputError with file, house and room for a fault that can't be repaired.
     """
@@ -266,7 +266,7 @@ def _read_rooms(
 ) -> tuple[dict[str, Room], tuple[Level, ...]]:
     """Return the rooms by id, and the levels that they are on.
 
-    Outlines are the floors' (else the ceilings'), heights come from the ceilings.
+    Outlines come from floors (if missing, from ceilings), heights from ceilings.
     """
     plates = _read_plates(source, elements)
     types = _room_types(source, arch, list(plates["Floor"] or plates["Ceiling"]))
@@ -387,7 +387,7 @@ def _room_height(
 def _read_doors(
     source: Source, arch: Mapping[str, Any], rooms: Mapping[str, Room], walls: list[Wall]
 ) -> tuple[Door, ...]:
-    """Return each room-door-room relation once; from the walls' doors when the file has none."""
+    """Return each room-door-room relation once; if the file has none, from the walls' doors."""
     if arch.get("rdr") is None:
         doors = find_doors(tuple(rooms.values()), walls)
         if doors:

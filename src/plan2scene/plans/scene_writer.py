@@ -11,7 +11,7 @@ from typing import Any
 from plan2scene.house import Door, House, Opening, Room, SurfaceKey, Wall
 from plan2scene.io import write_json
 
-#: Thickness in metres of floor and ceiling plates, as the reference converter states.
+#: Thickness in metres of floor and ceiling plates, as in the reference converter.
 PLATE_DEPTH = 0.05
 #: Colour of an untextured surface.
 PLAIN = "#e6e2dc"
@@ -27,10 +27,10 @@ def house_to_scene(
     images; the metres go into the texture's own key ``size_m``.
 
     Beyond the official form: ``size_m``, ``heights`` (`House.heights`), ``"passage": true`` on a
-    hole of type Door that has no leaf, ``"guessed": true`` on one that is so, ``name`` of house and
-    rooms, ``arch.icons``, and of a house with levels ``arch.levels`` with the ``level`` of each
-    room and icon, and ``arch.stairs``.
-    Programs that don't know these keys are not disturbed: points have the elevation of their level.
+    hole of type Door that has no leaf, ``"guessed": true`` on a guessed hole, ``name`` of house and
+    rooms, ``arch.icons``, ``arch.stairs`` and, for a house with levels, ``arch.levels`` and the
+    ``level`` of each room, icon and flight.
+    Programs that don't know these keys can ignore them: points have the elevation of their level.
     """
     textures = textures or {}
     elements: list[dict[str, Any]] = []
@@ -79,7 +79,7 @@ def house_to_scene(
 
 
 def _on(level_id: str) -> dict[str, str]:
-    """Return the entry of what is on a level; none in a house without levels."""
+    """Return the entry ``level`` of a room, icon or flight; none in a house without levels."""
     return {"level": level_id} if level_id else {}
 
 
@@ -110,7 +110,8 @@ def write_scene_json(
 ) -> None:
     """Write a house as scene.json, atomically; see :func:`house_to_scene`.
 
-    `evidence`, how the look of surfaces is known, goes beside the scene by ``room/surface``.
+    `evidence` (how the look of a surface is known) is written beside the scene, by
+    ``room/surface``.
     """
     scene = house_to_scene(house, textures)
     if evidence:
@@ -204,10 +205,10 @@ def _hole(opening: Opening) -> dict[str, Any]:
 
 
 def _rdr(doors: tuple[Door, ...]) -> list[list[str | None]]:
-    """Return the triples: both directions of a door between rooms, once when each room has its own.
+    """Return the triples (room, hole, room); a door between two rooms has one for each direction.
 
-    Houses of the paper's data name a door of two rooms by a hole of each room's own wall; there
-    the other direction is an entry of its own already.
+    In the paper's data a door is a hole in each room's own wall, with an entry for each direction;
+    then none is added.
     """
     own = {(door.room_a, door.room_b) for door in doors}
     triples: list[list[str | None]] = []

@@ -1,4 +1,4 @@
-"""The part of the texture plane that each surface takes, in metres: what one image of it covers."""
+"""The rectangle of texture coordinates, in metres, that one image of each surface covers."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from plan2scene.plans.wall_sides import (
     room_sides,
 )
 
-MARGIN_M = 0.05  #: Metres around a surface, so that filtering takes nothing of the far side
+MARGIN_M = 0.05  #: Margin around a surface, metres: texture filtering takes no far side's texels
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Area:
 
 
 def surface_areas(house: House) -> dict[SurfaceKey, Area]:
-    """Return the area of every surface that has faces, thresholds with the floor.
+    """Return the area of every surface that has faces; a floor's includes its thresholds.
 
     Texture coordinates of floors and ceilings are (x, z); of walls u runs to the right along the
     room's outline, v down from the room's height.

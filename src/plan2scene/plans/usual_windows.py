@@ -1,4 +1,4 @@
-"""Windows for a plan that draws none, as many an agent's does, where rooms usually have them."""
+"""Guessed windows, where rooms usually have them, for plans without any (many agents' plans)."""
 
 from __future__ import annotations
 
@@ -18,24 +18,24 @@ from plan2scene.plans.wall_sides import inner_normal
 
 @dataclass(frozen=True)
 class UsualWindows:
-    """What windows of dwellings are like, metres. Usual sizes; nothing was chosen on homes."""
+    """Sizes and places of windows in dwellings, metres. Usual ones; none was chosen on homes."""
 
     #: Types of rooms that have a window.
     rooms: frozenset[str] = frozenset({"Reception", "Bedroom", "Kitchen", "Bathroom"})
     #: A window takes this share of the free wall, within limits, and stands in its middle.
     share: float = 0.45
     width: tuple[float, float] = (0.6, 1.8)
-    bath_width: float = 0.7  #: widest of a bathroom
+    bath_width: float = 0.7  #: largest width in a bathroom
     sill: float = 0.9
     bath_sill: float = 1.3
     top: float = 2.1
-    below_ceiling: float = 0.2  #: least from the top to the ceiling
+    below_ceiling: float = 0.2  #: least distance from a window's top to the ceiling
     beside: float = 0.25  #: least wall between a window and a corner or another opening
-    #: A room of that many square metres has a second one in a wall that runs another way.
+    #: A room of this area (m2) or more has a second window, in a wall of another direction.
     large_m2: float = 20.0
-    #: Gaps between rooms narrower than twice this are walls and voids of the house.
+    #: Gaps between rooms narrower than twice this belong to the house: walls and voids.
     within: float = 0.75
-    outside: float = 0.3  #: beyond the line of a wall is what it parts from the room
+    outside: float = 0.3  #: distance from a wall's line at which the check for a free view begins
     view: float = 2.0  #: least distance from a guessed window to the next wall outside
 
 
@@ -50,14 +50,14 @@ def built_area(rooms: Iterable[Room]) -> BaseGeometry:
 
 
 def guesses_windows(house: House) -> bool:
-    """Return whether windows of a house are guesses: its plan draws none."""
+    """Return whether windows of a house are guessed, because its plan draws none."""
     return any(opening.guessed for wall in house.walls for opening in wall.openings)
 
 
 def with_usual_windows(house: House) -> House:
     """Return a house with guessed windows in the outer walls of its rooms, if it has none.
 
-    One without an outer wall for any stays as it is.
+    A house without a suitable outer wall stays as it is.
     """
     if any(opening.kind == "window" for wall in house.walls for opening in wall.openings):
         return house
@@ -99,7 +99,7 @@ def _chosen(
 
 
 def _free(wall: Wall) -> Iterator[tuple[float, float]]:
-    """Yield the stretches of a wall without an opening, off corners and frames, metres along it."""
+    """Yield (low, high) of a wall's stretches away from corners and openings, metres along it."""
     taken = sorted((opening.start, opening.end) for opening in wall.openings)
     for (_, low), (high, _) in pairwise([(0.0, 0.0), *taken, (wall.length, wall.length)]):
         yield low + USUAL_WINDOWS.beside, high - USUAL_WINDOWS.beside

@@ -1,7 +1,7 @@
-"""Checks of a house that every later stage relies on: faults stop it, warnings do not.
+"""Checks of a house that every later stage relies on: a fault stops it, a warning does not.
 
-Each is one line. Faults are what keeps a house from being built; warnings are what no real home
-is like: a wrong unit, heights of a doll's house, islands, overlapping rooms.
+Each is one line. A fault keeps a house from being built. A warning tells what is unlike a real
+home: a wrong unit, heights of a doll's house, islands, overlapping rooms.
 """
 
 from __future__ import annotations
@@ -31,19 +31,19 @@ from plan2scene.plans.parse import (
     SAME_POINT,
 )
 
-#: A plan wider than this, or with a usual room larger (metres, square metres), is in another unit.
+#: A plan wider than this (metres), or whose median room is larger (square metres), is a fault.
 MAX_EXTENT, MAX_USUAL_AREA = 300.0, 1000.0
-#: Bounds of a height in metres: outside the first a fault, outside the second a warning.
+#: Bounds of a height in metres. Outside the first pair is a fault, outside the second a warning.
 HEIGHTS, USUAL_HEIGHTS = (0.5, 30.0), (1.8, 6.0)
-#: Beyond these (metres, square metres) a plan gets a warning.
+#: Bounds of a plan's width (metres) and of its median room (square metres); outside is a warning.
 USUAL_EXTENT, USUAL_AREA = 100.0, (0.3, 60.0)
-#: A room of another area (square metres) is told, however usual the others are.
+#: Bounds of the area of each room, square metres; outside is a warning.
 ROOM_AREA = (0.05, 500.0)
-USUAL_DEPTH = 1.0  #: Walls are at most so thick, metres
-#: The usual door of a home is this wide (metres), and no hole or room is narrower than the last.
+USUAL_DEPTH = 1.0  #: A wall thicker than this, metres, is a warning
+#: Bounds of the median width of doors, and least width of a hole or room, metres; else a warning.
 USUAL_DOOR, NARROW = (0.4, 1.6), 0.2
-APART = 5.0  #: Rooms farther than this (metres) from all others stand for themselves
-#: Names that Windows keeps for devices, whatever follows a dot.
+APART = 5.0  #: A group of rooms farther than this (metres) from the others is an island: a warning
+#: Names that Windows reserves for devices, with any ending.
 DEVICES = {"con", "prn", "aux", "nul", *(f"{d}{k}" for d in ("com", "lpt") for k in range(1, 10))}
 
 _Fault = Callable[..., InputError]
@@ -51,7 +51,7 @@ _Line = tuple[str, str, str]  #: (expected, found, room) of a warning
 
 
 def unit_faults(house: House, fault: _Fault) -> Iterator[InputError]:
-    """Yield what shows that a plan is not in metres; outlines are known to be sound."""
+    """Yield faults that show a plan not in metres; its outlines must have at least 3 points."""
     extent, area = _extent(house), _usual_area(house)
     if extent > MAX_EXTENT or area > MAX_USUAL_AREA:
         expected = f"a home in metres, at most {MAX_EXTENT:g} m wide"
@@ -68,7 +68,7 @@ def unit_faults(house: House, fault: _Fault) -> Iterator[InputError]:
 
 
 def oddities(house: House) -> Iterator[_Line]:
-    """Yield what is unlike a home but may be one: scale, heights, islands, holes, names."""
+    """Yield warnings of what is unusual for a home: scale, heights, islands, holes, names."""
     extent, area = _extent(house), _usual_area(house)
     if extent > USUAL_EXTENT:
         yield f"a home of at most {USUAL_EXTENT:g} m", f"{extent:.0f} m", ""
@@ -104,7 +104,7 @@ def oddities(house: House) -> Iterator[_Line]:
 
 
 def name_oddities(what: str, names: Iterable[str]) -> Iterator[_Line]:
-    """Yield names that cannot be files of their own everywhere: by case only, of devices."""
+    """Yield warnings of names that differ by case only, and of names of Windows devices."""
     groups: dict[str, list[str]] = defaultdict(list)
     for name in names:
         groups[name.lower()].append(name)
@@ -127,7 +127,7 @@ def _usual_area(house: House) -> float:
 
 
 def _holes(house: House) -> Iterator[_Line]:
-    """Yield holes too narrow to go or look through, and doors of another unit."""
+    """Yield warnings of very narrow holes, and of doors of an unusual median width."""
     doors = []
     for wall in house.walls:
         for opening in wall.openings:
@@ -143,7 +143,7 @@ def _holes(house: House) -> Iterator[_Line]:
 
 
 def _islands(house: House) -> Iterator[_Line]:
-    """Yield rooms that stand apart from the first room's group."""
+    """Yield a warning of rooms that stand apart from the first room's group."""
     polygons = [room_polygon(room) for room in house.rooms]
     pairs = STRtree(polygons).query(polygons, predicate="dwithin", distance=APART)
     near: dict[int, list[int]] = defaultdict(list)
@@ -164,11 +164,11 @@ def _islands(house: House) -> Iterator[_Line]:
 
 
 MIN_AREA = 0.01  #: A room with less area than this (square metres) is a drawing fault
-#: Of an outline of more corners that crosses itself no area is worked out: it takes their square.
+#: If an outline of more corners crosses itself, its area is not computed: it takes quadratic time.
 MANY_CORNERS = 200
 #: Rooms may overlap by this share of the smaller one (walls drawn on both sides of their line).
 OVERLAP_SHARE = 0.02
-MAX_OVERLAPS = 200  #: Most overlapping pairs of rooms of a storey that are told
+MAX_OVERLAPS = 200  #: Largest number of overlapping pairs of rooms of a storey that are reported
 ROUNDING = 1e-3  #: A hole may reach this far (metres) over its wall through rounding
 #: A wall whose middle is farther (metres) from its room's outline is in the wrong place.
 STRAY_DISTANCE = 0.5

@@ -2,7 +2,7 @@
 
 A side's local axes are s (metres to the right as seen from inside the room) and y (up). In Rent3D++
 plans each room has its own walls, so a door is drawn twice, on two walls a few centimetres apart,
-sometimes a few centimetres askew. A `Portal` is the one door of both.
+sometimes a few centimetres askew. A `Portal` joins the two to one door.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from plan2scene.house import House, Opening, Room, Wall
 
 _PROBES = (0.01, 0.05, 0.2)  #: Distances from the wall line at which a room is looked for, metres
 
-#: Wall faces stand this far inside their room, metres: a partition of the rooms behind, which ends
-#: on the face's line, would otherwise shine through at its edge.
+#: Wall faces stand this far inside their room, metres. Otherwise a partition between rooms behind,
+#: which ends on the face's line, would shine through at its edge.
 LIFT = 2e-4
-_BEHIND = 0.5  #: A wall with a room this near behind it, metres, is that room's too
+_BEHIND = 0.5  #: A wall with an indoor room this near behind it, metres, is no railing
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ def inner_normal(wall: Wall, polygon: BaseGeometry) -> np.ndarray:
 
 
 def openings_on(wall: Wall, frame: Frame) -> Iterator[FaceOpening]:
-    """Yield a wall's openings as seen on a frame of it, cut to the wall; none without an area."""
+    """Yield a wall's openings as seen on its frame, cut to the wall, if any area is left."""
     from_start = np.array(wall.start) @ frame.right <= np.array(wall.end) @ frame.right
     for opening in wall.openings:
         low, high = max(opening.start, 0.0), min(opening.end, wall.length)
@@ -121,7 +121,7 @@ def openings_on(wall: Wall, frame: Frame) -> Iterator[FaceOpening]:
 def walked_rings(room: Room) -> list[np.ndarray]:
     """Return a room's rings, closed, (n + 1, 2), walked to the right as seen from inside.
 
-    That turns an outline from x to z, and a hole the other way round.
+    An outline then turns from x to z, a hole the other way round.
     """
     rings = []
     for number, ring in enumerate(room.rings):
@@ -134,7 +134,7 @@ def walked_rings(room: Room) -> list[np.ndarray]:
 def arc_offset(room: Room, frame: Frame) -> float:
     """Return where a face's left end lies along its room's outline, metres.
 
-    Outlines are walked to the right as seen from inside, so a texture runs on over the corner.
+    Outlines are walked to the right as seen from inside, so a texture continues round a corner.
     """
     middle = Point(*frame.plan(frame.length / 2))
     line = min((LineString(ring) for ring in walked_rings(room)), key=middle.distance)
@@ -244,10 +244,10 @@ def distance_behind(frame: Frame, geometry: BaseGeometry, reach: float) -> float
 def find_openings(
     house: House, sides: list[Side], polygons: Mapping[str, BaseGeometry]
 ) -> Openings:
-    """Match the copies of each hole, measure its passage, and collect what to cut from each side.
+    """Match the two copies of each hole, measure its depth, and collect the holes of each side.
 
-    A side loses its own wall's openings; also one that the plan's room-door-room relations lead
-    to its room when its own wall has no copy there.
+    A side has its own wall's openings. It also has an opening of another wall that leads to its
+    room by the plan's room-door-room relations, if its own wall has no copy there.
     """
     openings = Openings()
     copies: list[Portal] = []
@@ -349,7 +349,7 @@ def _cut_behind(
 def railing_sides(
     house: House, sides: Sequence[Side], polygons: Mapping[str, BaseGeometry]
 ) -> list[Side]:
-    """Return the sides that are railings: of rooms in the open air, no opening, no room behind."""
+    """Return the railings: sides of rooms in the open air, no opening, no indoor room behind."""
     open_air = {room.id for room in house.rooms if room.open_air}
     indoors = unary_union([polygons[room.id] for room in house.rooms if room.id not in open_air])
     openings = []

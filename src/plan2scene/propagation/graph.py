@@ -35,7 +35,7 @@ class HouseGraph:
         return self.room_ids.index(key.room_id), SURFACES.index(key.surface)
 
     def node_features(self, visible: np.ndarray) -> np.ndarray:
-        """Return the network's input with the `visible` surfaces alone.
+        """Return the network's input, in which only the `visible` surfaces have values.
 
         `visible` is (n, 3) bool and is intersected with `observed`. Returns (n, 48) float32.
         """
@@ -74,6 +74,6 @@ def house_graph(house: House, embeddings: Mapping[SurfaceKey, np.ndarray]) -> Ho
 
 
 def doors_between(count: int, edges: np.ndarray) -> np.ndarray:
-    """Return (n, n) float: doors on the shortest way between rooms, inf where there is no way."""
+    """Return (n, n) float: number of doors on the shortest path between rooms; inf for no path."""
     links = csr_array((np.ones(edges.shape[1]), (edges[0], edges[1])), shape=(count, count))
     return np.asarray(shortest_path(links, unweighted=True))

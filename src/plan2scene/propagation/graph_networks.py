@@ -1,12 +1,13 @@
 """The networks that predict unobserved surfaces, and their weight files.
 
-The paper's (section 5.4) is a gated graph network (Li et al. 2016) over the rooms that regresses
-one embedding a surface, which under doubt is a mean of several materials and looks like none of
-them. In the pointer network its hidden states also score the house's visible surfaces of the same
-kind: a prediction is a mixture of Laplace distributions, one around every visible surface's
-embedding (after pointer networks, Vinyals et al. 2015, arXiv:1506.03134, and mixture density
-networks, Bishop 1994) and one around what the paper's network regresses. The weight of the visible
-surfaces is a confidence, and the mixture's median a sharp prediction.
+The paper's network (section 5.4) is a gated graph network (Li et al. 2016) over the rooms. It
+regresses one embedding per surface. If the material is uncertain, the embedding is a mean of
+several materials and looks like none. The pointer network therefore also scores the house's visible
+surfaces of the same kind, from the same hidden states. Its prediction is a mixture of Laplace
+distributions: one around each visible surface's embedding (after pointer networks, Vinyals et al.
+2015, arXiv:1506.03134, and mixture density networks, Bishop 1994), one around the regressed
+embedding. The total weight of the visible surfaces is the confidence; the mixture's median is a
+sharp prediction.
 """
 
 from __future__ import annotations
@@ -28,19 +29,19 @@ from plan2scene.propagation.graph import EMBEDDING_SIZE, NODE_SIZE, HouseGraph, 
 from plan2scene.propagation.type_means import TypeMeans
 from plan2scene.weights import filled, load_model_file, save_model_file
 
-#: Facts about a pair of rooms: doors between them (1, 2, 3 or more, no way), types in common.
+#: Facts about a pair of rooms: flags for 1, 2, 3, more (or no path) doors between; types in common.
 PAIR_SIZE = 5
 _FAR = 4
 
 
 def graph_data(graph: HouseGraph) -> Data:
-    """Return a house as the networks take it.
+    """Return a house in the form that the networks take.
 
     ``x`` is (n, 48) float32, ``edge_index`` (2, m) int64, ``pair_index`` (2, p) int64 and
     ``pair_attr`` (p, 5) float32 are :func:`room_pairs`, ``embeddings`` (n, 3, 11) float32.
     """
     pairs, facts = room_pairs(graph)
-    # Copies: products of arrays that lie where numpy put them round differently run by run.
+    # Copies: numpy's memory alignment differs from run to run and changes how products round.
     return Data(
         x=torch.tensor(graph.node_features(graph.observed)),
         edge_index=torch.tensor(graph.edges),
@@ -51,9 +52,10 @@ def graph_data(graph: HouseGraph) -> Data:
 
 
 def room_pairs(graph: HouseGraph) -> tuple[np.ndarray, np.ndarray]:
-    """Return all ordered pairs of different rooms and what is known of them.
+    """Return all ordered pairs of different rooms and the facts about each pair.
 
-    (2, p) int64: row of the room that is looked at, row of the room in question; (p, 5) float32.
+    Pairs (2, p) int64: row of the source room, whose surfaces are scored, and row of the target
+    room, whose surfaces are predicted. Facts (p, 5) float32.
     """
     count = len(graph.room_ids)
     target, source = np.nonzero(~np.eye(count, dtype=bool))
@@ -88,7 +90,7 @@ class PropagationNetwork(nn.Module):
         return self.regressed(self.hidden(x, edge_index))
 
     def hidden(self, x: Tensor, edge_index: Tensor) -> Tensor:
-        """Return what the network knows of every room, (n, width)."""
+        """Return the hidden states of the rooms, (n, width)."""
         return torch.relu(self.conv1(self.linear1(x), edge_index))
 
     def regressed(self, hidden: Tensor) -> Tensor:
@@ -103,18 +105,18 @@ _KINDS = len(SURFACES)
 class Mixture:
     """Predictions of every surface of n rooms, over p pairs of rooms. All are float32."""
 
-    own: Tensor  #: (n, 3, 11), what the paper's network regresses
+    own: Tensor  #: (n, 3, 11), the embeddings that the paper's network regresses
     own_scale: Tensor  #: (n, 3, 11), scale of the Laplace distribution around it
-    copy_scale: Tensor  #: (3, 11), the same around visible surfaces
+    copy_scale: Tensor  #: (3, 11), scale of the distributions around visible surfaces
     log_own: Tensor  #: (n, 3), log weight of `own`
-    log_copies: Tensor  #: (p, 3), log weight of each pair's looked-at room; -inf: not visible
+    log_copies: Tensor  #: (p, 3), log weight of each pair's source room; -inf: not visible
 
 
 @dataclass(frozen=True)
 class PointerBounds:
-    """Bounds of a mixture, in standardised embeddings: no component may become a spike."""
+    """Bounds of a mixture, in standardised embeddings; they prevent very narrow distributions."""
 
-    score: float = 15.0  #: log weight before normalisation, either way
+    score: float = 15.0  #: largest absolute log weight before normalisation
     log_scale: float = 2.0  #: largest log scale of a Laplace distribution
     least_scale: float = 0.02  #: added to every scale
 
@@ -123,11 +125,11 @@ _BOUNDS = PointerBounds()
 
 
 class PointerNetwork(MessagePassing):
-    """Attention over pairs of rooms that may also point at none: houses -> mixtures.
+    """Attention from each room to the others, or to none of them: houses -> mixtures.
 
-    All embeddings are standardised by `centre` and `deviation`, which the network keeps. `width`
-    and `layers` are those of the paper's network, which is the trunk; `pair_width` hidden units
-    score a pair of rooms.
+    All embeddings are standardised by the buffers `centre` and `deviation`. `width` and `layers`
+    are those of the paper's network, which is the trunk. A layer of `pair_width` hidden units
+    scores the pairs of rooms.
     """
 
     def __init__(self, width: int = 96, layers: int = 3, pair_width: int = 64) -> None:
@@ -145,14 +147,14 @@ class PointerNetwork(MessagePassing):
         self.register_buffer("deviation", torch.ones(EMBEDDING_SIZE))
 
     def forward(self, data: Data) -> Mixture:
-        """Return the mixture of every surface of every room of :func:`data.graph_data`."""
+        """Return the mixture of every surface of every room of :func:`graph_data`."""
         hidden = self.trunk.hidden(data.x, data.edge_index)
         blocks = data.x[:, len(ROOM_TYPES) :].reshape(len(hidden), _KINDS, -1)
         scores = self.edge_updater(
             data.pair_index, hidden=hidden, unseen=blocks[..., 0] == 0, pair_attr=data.pair_attr
         )
         none = _bounded(self.none(hidden))
-        # A softmax by its logarithms: training needs those of weights that are nothing, too.
+        # Softmax in log space: training also needs the logarithms of weights near zero.
         size = (len(hidden), len(hidden))
         total = (none.exp() + self.propagate(data.pair_index, scores=scores, size=size)).log()
         return Mixture(
@@ -166,12 +168,12 @@ class PointerNetwork(MessagePassing):
     def edge_update(
         self, hidden_i: Tensor, hidden_j: Tensor, unseen_j: Tensor, pair_attr: Tensor
     ) -> Tensor:
-        """Return scores (p, 3) of being like room j; -inf where its surface is not visible."""
+        """Return scores (p, 3) for being like room j's surface; -inf where that is not visible."""
         scores = self.pair(torch.cat([hidden_i, hidden_j, pair_attr], dim=1))
         return _bounded(scores).masked_fill(unseen_j, -torch.inf)
 
     def message(self, scores: Tensor) -> Tensor:
-        """Return what each pair adds to the sum over the rooms looked at."""
+        """Return what each pair adds to its target room's sum over the source rooms."""
         return scores.exp()
 
 
@@ -180,12 +182,12 @@ def _bounded(scores: Tensor) -> Tensor:
 
 
 def _scale(raw: Tensor) -> Tensor:
-    """Return scales of logarithms."""
+    """Return bounded scales from their logarithms."""
     return raw.clamp(max=_BOUNDS.log_scale).exp() + _BOUNDS.least_scale
 
 
 Network: TypeAlias = PropagationNetwork | PointerNetwork
-#: Networks by the name that the files hold: the paper's, and the embedded one.
+#: Networks by their name in weight files: the paper's, and that of the embedded weights.
 NETWORKS: Mapping[str, type[PropagationNetwork] | type[PointerNetwork]] = {
     "gated": PropagationNetwork,
     "pointer": PointerNetwork,
@@ -206,7 +208,7 @@ def save_propagation(path: str | Path, network: Network, means: TypeMeans, **siz
 
 
 def load_propagation(path: str | Path) -> tuple[Network, TypeMeans]:
-    """Return network and means of a file of :func:`save_propagation`; InputError for another's."""
+    """Return network and means from a file of :func:`save_propagation`; else InputError."""
     state, sizes = load_model_file(path)
     kind = str(sizes.pop("network", "gated"))
     if kind not in NETWORKS:

@@ -1,13 +1,13 @@
-"""Materials of a house: surfaces of different rooms that are one material.
+"""Materials of a house: which surfaces of different rooms share one material.
 
-A floor that runs on, walls of one paint, ceilings alike. The evidence is the surfaces' codes and
-their colours after light; rooms that no doors join are not compared. For floors the pattern counts
-more than the colour, which lamps change from room to room; passages without a leaf count, and so
-does that both are of wood. For plain walls and ceilings the colour alone counts. The mean of few
-crops is uncertain: a difference of two means that chance explains does not count. Two walls that
-one photo each shows may look alike by chance, so few photos weaken the evidence. Surfaces are
-joined while the mean evidence of all pairs is positive (average linkage), so a doubtful one stays
-alone.
+Examples are a floor that runs on through several rooms, or walls of one paint. Two surfaces are
+compared by their codes (the pattern) and by their colours after correction of the light. Rooms that
+no doors connect are not compared. For floors the code counts more than the colour, because lamps
+change the colour from room to room; a passage without a leaf between them, or wood on both, is more
+evidence. For walls and ceilings the colour counts most. The mean code of few crops is noisy, so the
+part of a difference that noise explains is subtracted. Two walls that only one photo each shows may
+look alike by chance, so few photos weaken the evidence. Groups of surfaces are joined while the
+mean evidence of their pairs is positive (average linkage), so a doubtful surface stays alone.
 """
 
 from __future__ import annotations
@@ -34,34 +34,34 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class MaterialSettings:
-    """Evidence that two surfaces are one material; above 0 for it. By floor, wall, ceiling.
+    """Terms of the evidence that two surfaces share a material: they do if the sum is above 0.
 
-    Chosen on synthetic homes and real flats (development).
+    Triples are for floor, wall, ceiling. Chosen on synthetic homes and real flats (development).
     """
 
-    alike: float = 0.85  #: of two surfaces that look exactly alike
-    #: What a difference of codes takes from it, a mean over the code.
+    alike: float = 0.85  #: evidence of two surfaces that look exactly alike
+    #: Subtracted per unit of difference of the codes (mean absolute difference).
     by_code: tuple[float, float, float] = (1.0, 0.5, 0.5)
-    #: What a difference of colours takes from it, Euclidean, sRGB in [0, 1].
+    #: Subtracted per unit of difference of the colours (Euclidean, sRGB in [0, 1]).
     by_colour: tuple[float, float, float] = (0.5, 4.0, 4.0)
-    #: What it takes from it that one photo alone shows each of the two; half of it with two photos
-    #: each. Ceilings are white in most homes, floors are known by their pattern.
+    #: Subtracted if only one photo shows each of the two surfaces; half of it with two photos each.
+    #: It is 0 for ceilings, which are white in most homes, and floors, known by their pattern.
     one_photo: tuple[float, float, float] = (0.0, 0.12, 0.0)
-    #: Of floors that a passage without a leaf joins: 24 of 30 in synthetic homes run on through
-    #: one, 101 of 267 through a door; all of six in real homes do. For floors of one substance it
-    #: grows with the passage's width over the first number, metres, up to the second: rooms of an
-    #: open plan are floored together.
+    #: Added for two floors that a passage without a leaf joins: in synthetic homes 24 of 30 floors
+    #: run on through a passage (101 of 267 through a door), in real homes all six do. If the floors
+    #: have one substance, it is multiplied by the passage's width over `wide[0]`, the width limited
+    #: to the range `wide`, metres: rooms of an open plan share a floor.
     passage: float = 0.28
     wide: tuple[float, float] = (0.9, 2.7)
-    #: Of two floors of wood: homes seldom have two kinds of it on one storey, and lamps, rugs and
-    #: glare change its looks from photo to photo. Chosen on one real listing (development).
+    #: Added for two floors of wood: homes seldom have two kinds of wood on one storey, and lamps,
+    #: rugs and glare change its look from photo to photo. Chosen on one real listing (development).
     wood: float = 0.25
-    scale: float = 0.15  #: evidence that makes one material e times likelier
+    scale: float = 0.15  #: evidence that multiplies the odds of one material by e
 
 
 EVIDENCE = MaterialSettings()
-_APART = 1e9  #: A distance that no two groups of surfaces are joined over
-#: Numbers of a code.
+_APART = 1e9  #: A distance so large that no groups of surfaces are joined
+#: Length of a code.
 _CODE = 8
 _COLUMNS = ["room_id", "surface", "material", "confidence", "colour", "rooms"]
 Gains = Mapping[str, Sequence[float]]  #: Photo -> factors on linear RGB
@@ -71,8 +71,8 @@ Gains = Mapping[str, Sequence[float]]  #: Photo -> factors on linear RGB
 class SeenSurface:
     """An observed surface: its room, code (8,), sRGB colour (3,) after light, number of crops.
 
-    `doubt` (8,) is the variance of the code, as far as it is a mean of crops that differ; `photos`
-    is how many the crops are of; `substance` is of ``house.SUBSTANCES``.
+    `doubt` (8,) is the variance of the code if it is a mean over crops, else 0. `photos` is the
+    number of photos that the crops come from. `substance` is one of ``house.SUBSTANCES``.
     """
 
     room_id: str
@@ -95,10 +95,10 @@ def find_materials(
     house: str,
     dataset: str,
 ) -> None:
-    """Write ``materials.parquet`` (docs/conventions.md): a row for each surface that shares one.
+    """Write ``materials.parquet`` (docs/conventions.md): a row per surface that shares a material.
 
-    `surfaces` is the table of the observed surfaces, `embeddings` that of all crops, `light` the
-    gains of their photos (``light.json``).
+    `surfaces` is the table of the observed surfaces, `embeddings` the table of all crops, `light`
+    the gains of their photos (``light.json``).
     """
     import pandas as pd
 
@@ -144,7 +144,7 @@ def _codes(crops: pd.DataFrame) -> np.ndarray:
 
 
 def _spread_within(crops: pd.DataFrame) -> np.ndarray:
-    """Return the variance (8,) of the codes of one room's crops, pooled over rooms; 0 unknown."""
+    """Return the variance (8,) of codes within a room, pooled over rooms; 0 if it is unknown."""
     of_rooms = [_codes(of_room) for _, of_room in crops.groupby("room_id")]
     free = sum(len(codes) - 1 for codes in of_rooms)
     if not free:
@@ -154,10 +154,10 @@ def _spread_within(crops: pd.DataFrame) -> np.ndarray:
 
 
 def _seen_surface(row: Any, crops: pd.DataFrame, gains: Gains, spread: np.ndarray) -> SeenSurface:
-    """Return a row of surfaces.parquet with the facts of its visible crops.
+    """Return the surface of a row of surfaces.parquet, with the facts of its visible crops.
 
-    A pattern is known from all crops, whose codes differ by a variance of `spread` (8,); of plain
-    walls and ceilings the plainest crop, which the row is about, has the least of other things.
+    A floor's code is the mean over all its crops, whose codes have the variance `spread` (8,). A
+    wall or ceiling keeps the row's code, that of the plainest crop: it shows fewest other things.
     """
     values = np.asarray(row.embedding, dtype=np.float64)
     code, doubt = values[:-3], np.zeros(_CODE)
@@ -186,16 +186,16 @@ def _rows_of(
 
 
 def _gain(gains: Gains, photos: Iterable[str]) -> np.ndarray:
-    """Return the factors (3,) that take a surface's colour under the house's light."""
+    """Return the factors (3,) on linear RGB that bring a surface under the house's light."""
     known = [gains[photo] for photo in photos if photo in gains]
     return np.asarray(np.exp(np.log(known).mean(axis=0))) if known else np.ones(3)
 
 
 def pair_evidence(seen: Sequence[SeenSurface], kind: str, joined: np.ndarray) -> np.ndarray:
-    """Return the evidence (n, n) that surfaces of a kind are one material; above 0 for it.
+    """Return the evidence (n, n) that surfaces of a kind share a material; above 0 they do.
 
-    `joined` (n, n) bool: rooms that doors join. The squared difference of two means exceeds that
-    of the true values by the sum of their variances, on average.
+    `joined` (n, n) bool: pairs of rooms that doors connect. On average, noise adds the sum of the
+    variances of two mean codes to their squared difference, so that sum is subtracted.
     """
     number = SURFACES.index(kind)
     codes = np.array([item.code for item in seen])
@@ -214,10 +214,10 @@ def pair_evidence(seen: Sequence[SeenSurface], kind: str, joined: np.ndarray) ->
 
 
 def grouped(evidence: np.ndarray) -> list[tuple[list[int], float]]:
-    """Return the groups of two and more, and the mean evidence of their pairs.
+    """Return the groups of two or more surfaces, each with the mean evidence of its pairs.
 
-    Average linkage (:func:`scipy.cluster.hierarchy.linkage`): the two groups of the strongest mean
-    evidence are joined as long as it is for it.
+    Average linkage (:func:`scipy.cluster.hierarchy.linkage`): the two groups with the largest mean
+    evidence are joined, again and again, while that is above 0.
     """
     if len(evidence) < 2:
         return []

@@ -1,11 +1,12 @@
 """The predictors of unobserved surfaces: one registry for configuration, stage and docs.
 
-Rules without a network are what the networks are compared with. Predictor `house` is the default:
-the same kind of surface elsewhere in the house is the best guess there is on real homes, since
-paint and floors go through rooms and the photos' light is in it. With few of them, or none, the
-mean of training surfaces of the room's type stands in, brought under the house's light. Colours
-follow the light of the surface's room, too (:func:`plan2scene.paint.light.expected_colours`). The
-network is mixed in as far as it is right in this house.
+The rules without a network are the baselines of the networks. Predictor `house` is the default: on
+real homes the same kind of surface elsewhere in the house is the best guess, because paint and
+floors go through several rooms and the photos' light is already in them. If few or none are
+observed, the mean of training surfaces of the room's type stands in, brought under the house's
+light. Colours also follow the light of the surface's room
+(:func:`plan2scene.paint.light.expected_colours`). The network's prediction is mixed in; its weight
+depends on how well it predicts this house's observed surfaces.
 """
 
 from __future__ import annotations
@@ -31,20 +32,21 @@ from plan2scene.propagation.type_means import TypeMeans
 class PredictorSettings:
     """Weights of the predictors' evidence. Chosen on synthetic and real homes (development)."""
 
-    #: How far agreeing components of a mixture may lie apart, in scales of its distributions.
+    #: Distance from the median, in scales of the mixture's distributions, from which on a component
+    #: pulls no harder (:func:`robust_centre`).
     reach: float = 2.0
-    prior_surfaces: float = 0.5  #: surfaces of the kind that the mean of the room's type counts for
-    #: Odds of the house's evidence against the network before any surface was tried.
+    prior_surfaces: float = 0.5  #: observed surfaces that the room type's mean counts as
+    #: Prior odds of the house's evidence against the network.
     prior_odds: float = 2.0
-    #: Sum of errors (CIEDE2000) that makes one e times likelier than the other.
+    #: Difference of colour (CIEDE2000) that changes these odds, and a floor's vote, by a factor e.
     error_scale: float = 10.0
-    # Which floor an unseen one is like. Set by hand.
+    # Votes for the floor that an unseen floor copies. Set by hand.
     other_use: float = 0.2  #: weight of a floor in a room of another use; of the same use: 1
-    a_door: float = 0.5  #: weight of a floor one more door away
+    a_door: float = 0.5  #: factor on the weight for each door on the way to the floor's room
 
 
 _S = PredictorSettings()
-_COLOUR = 8  #: First of the embedding's three colour values
+_COLOUR = 8  #: Index of the first of the embedding's three colour values
 
 
 def room_type_mean(graph: HouseGraph, means: TypeMeans) -> np.ndarray:
@@ -53,7 +55,7 @@ def room_type_mean(graph: HouseGraph, means: TypeMeans) -> np.ndarray:
 
 
 def house_mean(graph: HouseGraph, means: TypeMeans) -> np.ndarray:
-    """Return the mean over the house's observed surfaces of the kind; without any, as above."""
+    """Return the mean of the house's observed surfaces of the kind; if none, of the room's type."""
     values = room_type_mean(graph, means)
     for j in range(len(SURFACES)):
         if graph.observed[:, j].any():
@@ -62,9 +64,9 @@ def house_mean(graph: HouseGraph, means: TypeMeans) -> np.ndarray:
 
 
 def nearest_room(graph: HouseGraph, means: TypeMeans) -> np.ndarray:
-    """Return the surface of the kind fewest doors away, the first in the plan of equals.
+    """Return the observed surface of the kind that is fewest doors away; of equals, the first.
 
-    Where doors lead to none, the mean of the house.
+    If doors lead to none, return the house's mean.
     """
     values = house_mean(graph, means)
     doors = doors_between(len(graph.room_ids), graph.edges)
@@ -87,19 +89,19 @@ RULES: Mapping[str, Callable[[HouseGraph, TypeMeans], np.ndarray]] = {
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """What is expected of every surface of a house's n rooms."""
+    """A prediction for every surface of a house's n rooms."""
 
     embedding: np.ndarray  #: (n, 3, 11) float32, colours clipped to [0, 1]
-    #: (n, 3) float32, probability that a photo shows one like it; NaN: unknown
+    #: (n, 3) float32, probability that a photo shows a surface like it; NaN: unknown
     confidence: np.ndarray
-    alike: np.ndarray  #: (n, 3) int64, row of the room whose surface is likeliest like it; -1: none
-    #: (n, 3, 3) float64, sRGB of surfaces of which photos show anything
+    alike: np.ndarray  #: (n, 3) int64, row of the room whose surface it is most like; -1: none
+    #: (n, 3, 3) float64, expected sRGB of each surface by all that photos show; None: not used
     seen: np.ndarray | None = None
 
 
 @torch.inference_mode()
 def predict(network: Network, graph: HouseGraph) -> Prediction:
-    """Return the predictions of a network for every surface, the observed ones as if unseen."""
+    """Return a network's predictions for every surface, also for the observed ones."""
     if isinstance(network, PointerNetwork):
         centre, deviation = network.centre.numpy(), network.deviation.numpy()
         data = graph_data(graph.standardised(centre, deviation))
@@ -122,7 +124,7 @@ def predict(network: Network, graph: HouseGraph) -> Prediction:
 def mixture_components(
     mixture: Mixture, values: Tensor, pair_index: Tensor
 ) -> tuple[Tensor, Tensor]:
-    """Return a mixture's components (n, n + 1, 3, 11), one a room and one for none, and weights.
+    """Return a mixture's components (n, n + 1, 3, 11), each room's and `own`, and their weights.
 
     `values` (n, 3, 11) float32 are the standardised embeddings of the visible surfaces,
     `pair_index` (2, p) int64 of :func:`~plan2scene.propagation.graph_networks.room_pairs`. Weights
@@ -138,11 +140,11 @@ def mixture_components(
 
 
 def robust_centre(values: Tensor, weights: Tensor, reach: Tensor) -> Tensor:
-    """Return the weighted median over axis 1, moved to the mean of what lies near.
+    """Return the weighted median over axis 1, moved towards the mean of the values near it.
 
-    Rooms of one material differ by noise alone, and a mean has less noise than one value. Values
-    farther than `reach` pull no more than those at it (a step of Huber's
-    estimator, DOI 10.1214/aoms/1177703732).
+    Surfaces of one material differ only by noise, and a mean has less noise than one value. A value
+    farther than `reach` from the median pulls no harder than one at that distance (one step of
+    Huber's estimator, DOI 10.1214/aoms/1177703732).
 
     Shapes
     ------
@@ -177,18 +179,18 @@ def house_evidence(graph: HouseGraph, means: TypeMeans, photo_colours: HouseColo
     return values.astype(np.float32)
 
 
-#: A house's graph, the network, the means of training surfaces and what is seen of all surfaces,
-#: also of those that no crop shows (None: the colours of the graph's surfaces) -> what is expected.
+#: A house's graph, the network, the means of training surfaces, and the colours that photos show of
+#: surfaces, also of those without a crop (None: the colours of the graph's surfaces) -> prediction.
 Predictor = Callable[[HouseGraph, Network, TypeMeans, HouseColours | None], Prediction]
 
 
 def by_house(
     graph: HouseGraph, network: Network, means: TypeMeans, photo_colours: HouseColours | None = None
 ) -> Prediction:
-    """Return the house's evidence, the network mixed in as far as it is right in this house.
+    """Return the house's evidence, mixed with the network as far as that is right in this house.
 
-    Each observed surface is predicted by both as if it were not seen; the sums of their errors
-    in colour decide the weights (model averaging, Hoeting et al. 1999, DOI 10.1214/ss/1009212519).
+    Both predict each observed surface as if it were not seen. The sums of their colour errors give
+    the weights (model averaging, Hoeting et al. 1999, DOI 10.1214/ss/1009212519).
     """
     known = photo_colours or HouseColours.of_embeddings(graph.embeddings, graph.observed)
     network_says, house_says = predict(network, graph), house_evidence(graph, means, known)
@@ -211,11 +213,11 @@ def by_house(
 
 
 def kindred_floors(graph: HouseGraph) -> np.ndarray:
-    """Return the row (n,) of the room whose observed floor each room's floor is likeliest, or -1.
+    """Return for each room the row (n,) of the room whose observed floor its floor copies, or -1.
 
-    A house has few floors, and their mean is none of them: rooms vote for floors of their colour,
-    those of the same use and those near with more weight. Wet rooms and those in the open air are
-    like their own kind alone.
+    A house has few kinds of floor, and their mean is none of them, so one is chosen by votes: each
+    other observed floor votes for the floors of its colour, with more weight if its room has the
+    same use or is near. Bathrooms and open-air rooms copy only rooms of their own use.
     """
     floor = SURFACES.index("floor")
     uses = room_uses(graph)
@@ -232,14 +234,14 @@ def kindred_floors(graph: HouseGraph) -> np.ndarray:
     return np.where(scores.max(axis=1) > 0.0, scores.argmax(axis=1), -1)
 
 
-#: What rooms are used for, by type; all others are lived in.
+#: Use of a room by its type; all other types are for living.
 _USES = {"Bedroom": "sleep", "Kitchen": "cook", "Bathroom": "wash"}
 _USES |= dict.fromkeys(OPEN_AIR, "open air")
 _OF_THEIR_OWN = {"wash", "open air"}
 
 
 def room_uses(graph: HouseGraph) -> list[set[str]]:
-    """Return what each room is used for; a closet goes with the rooms that it opens into."""
+    """Return the uses of each room; a closet has the uses of the rooms that it opens into."""
     named = [{_USES.get(ROOM_TYPES[t], "live") for t in np.flatnonzero(row)} for row in graph.types]
     closets = np.flatnonzero(graph.types[:, ROOM_TYPES.index("Closet")])
     source, target = graph.edges
@@ -252,7 +254,7 @@ def room_uses(graph: HouseGraph) -> list[set[str]]:
 def network_share(
     graph: HouseGraph, network: Network, means: TypeMeans, known: HouseColours
 ) -> float:
-    """Return the weight of the network against the house's evidence, 0..1."""
+    """Return the network's weight, 0..1; the house's evidence has the rest."""
     gap = np.log(_S.prior_odds)
     for place in zip(*np.nonzero(graph.observed), strict=True):
         kept = graph.observed.copy()
@@ -273,7 +275,7 @@ def _apart(embedding: np.ndarray, other: np.ndarray) -> float:
 
 
 def nearest_rooms(graph: HouseGraph, embedding: np.ndarray) -> np.ndarray:
-    """Return the row (n, 3) of the room with the nearest observed surface; -1 for none."""
+    """Return the row (n, 3) of the room whose observed embedding is nearest to it; -1 for none."""
     apart = np.abs(embedding[:, None] - graph.embeddings[None]).mean(axis=3)
     apart = np.where(graph.observed[None], apart, np.inf)
     apart[np.arange(len(apart)), np.arange(len(apart))] = np.inf
@@ -298,7 +300,7 @@ def _by_rule(
     return Prediction(embedding, unknown, nearest_rooms(graph, embedding))
 
 
-#: By the name that the configuration has (`propagation.predictor`).
+#: Predictors by their name in the configuration (`propagation.predictor`).
 PREDICTORS: Mapping[str, Predictor] = {
     "house": by_house,
     "network": _by_network,

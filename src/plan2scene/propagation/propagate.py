@@ -1,4 +1,4 @@
-"""The propagation stage of one house: observed surfaces keep their embedding, others get one."""
+"""The propagation stage of one house: it predicts the embeddings of unobserved surfaces."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from plan2scene.weights import fitting, read_model_arrays
 if TYPE_CHECKING:
     from plan2scene.propagation.predictors import Prediction
 
-#: Metres that a tile covers where the house shows no scale at all.
+#: Side of a tile in metres if no observed surface of the house has a known scale.
 DEFAULT_METRES = 1.0
 _COLUMNS = ["room_id", "surface", "observed", "embedding", "naive_embedding"]
 _COLUMNS += ["substance", "metres", "source", "confidence", "material", "colour"]
@@ -44,13 +44,13 @@ def propagate_house(
     """Write ``propagated.parquet`` (docs/conventions.md): a row for every surface of the house.
 
     `predictor` is a name of :data:`plan2scene.propagation.predictors.PREDICTORS`. `materials`
-    (``materials.parquet``) names the material of those that share one.
-    `colours` (``colours.parquet``) is what photos show of all surfaces; `hidden_photos` of it count
-    as not taken. Without it the colours of observed surfaces are those of their crops.
+    (``materials.parquet``) names the materials that surfaces share. `colours`
+    (``colours.parquet``) has the colours that photos show of all surfaces, `hidden_photos` left
+    out; without it the colours of observed surfaces come from their crops.
     """
     import pandas as pd
 
-    # PyTorch Geometric takes seconds to import: what only reads this stage's files goes without.
+    # PyTorch Geometric takes seconds to import; code that only reads this stage's files is spared.
     from plan2scene.propagation.graph_networks import load_propagation
     from plan2scene.propagation.predictors import PREDICTORS
 
@@ -89,7 +89,7 @@ def propagate_house(
 
 
 def shared_materials(path: str | Path | None) -> dict[SurfaceKey, str]:
-    """Return the names of the materials of ``materials.parquet`` by surface; none without it."""
+    """Return the material's name by surface from ``materials.parquet``; none without the file."""
     if path is None:
         return {}
     table, _ = read_parquet(path)
@@ -101,8 +101,8 @@ def _all_surfaces(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return embeddings (n, 3, 11) and sRGB colours (n, 3, 3) of all surfaces, float32.
 
-    Observed surfaces keep their embedding. Photos give the colour of every surface `in_photos`
-    (n, 3) bool; without a crop also the colour of its embedding.
+    Observed surfaces keep their embedding. A surface `in_photos` (n, 3) bool gets the colour that
+    photos show; if it has no crop, this is also the colour in its embedding.
     """
     observed = graph.observed[..., None]
     embeddings = np.where(observed, graph.embeddings, predicted.embedding)
@@ -116,9 +116,9 @@ def _all_surfaces(
 def _unobserved_row(
     graph: HouseGraph, predicted: Prediction, place: tuple[int, int], *, in_part: bool
 ) -> dict[str, Any]:
-    """Return what was predicted for a surface that no crop shows, but for its embedding.
+    """Return the predicted values of a surface without a crop, except its embedding.
 
-    Photos may show it `in_part`: enough for its colour and nothing else.
+    `in_part`: photos show a part of it, enough for its colour only.
     """
     alike = int(predicted.alike[place])
     like = f", like {graph.room_ids[alike]}" if alike >= 0 else ""
@@ -141,7 +141,7 @@ def _observed_row(row: Any) -> dict[str, Any]:
 
 
 def _metres(known: Mapping[SurfaceKey, float], key: SurfaceKey) -> float:
-    """Return a surface's tile size: its own, else the median of its kind, else of the house."""
+    """Return a surface's tile size in metres, else the median of its kind, else of the house."""
     if np.isfinite(known.get(key, np.nan)):
         return known[key]
     alike = [v for k, v in known.items() if k.surface == key.surface and np.isfinite(v)]
@@ -156,10 +156,11 @@ def unseen_substances(
     named: Mapping[tuple[int, int], str],
     texture_model: str | Path,
 ) -> np.ndarray:
-    """Return the predicted substance (n, 3) of every surface, the observed ones as if unseen.
+    """Return the predicted substance (n, 3) of every surface, also of the observed ones.
 
-    A surface that is predicted to be like an observed one, and to have its look, takes the
-    substance that the crops of that one have (`named`); but a bathroom has a floor of its own.
+    If a surface is predicted to be like an observed one, and both look like one substance, it
+    takes the substance that the observed one's crops have (`named`). In a room with a type in
+    `FLOORS_OF` (such as a bathroom) a floor takes it only from such rooms.
     """
     both = np.stack([predicted.embedding, graph.embeddings])
     likely, looks = substances_of(both, types, texture_model)
@@ -175,10 +176,10 @@ def unseen_substances(
 def substances_of(
     embeddings: np.ndarray, types: Sequence[Collection[str]], texture_model: str | Path
 ) -> np.ndarray:
-    """Return the likeliest substance of each embedding (..., n, 3, 11): floor, wall, ceiling.
+    """Return the most probable substance (..., n, 3) of embeddings (..., n, 3, 11).
 
-    A texture model's head says what it looks like; the `types` of the n rooms what is usual. The
-    head is one linear layer: its two arrays are read, not the whole network.
+    The look is judged by the texture model's head, the prior depends on the `types` of the n rooms.
+    The head is one linear layer: only its two arrays are read, not the whole network.
     """
     names = ("substance_layer.weight", "substance_layer.bias")
     arrays, _ = read_model_arrays(texture_model, names)

@@ -1,4 +1,4 @@
-"""What floors, walls and ceilings are of: by looks, by which of the three they are, by the room."""
+"""Substances of floors, walls and ceilings: from their look and from what is usual in a room."""
 
 from __future__ import annotations
 
@@ -12,26 +12,26 @@ if TYPE_CHECKING:
 
     from plan2scene.house import House
 
-#: How often surfaces of homes are of each substance, in the order of ``house.SUBSTANCES``: no
-#: ceiling is carpet, however woolly the photo.
+#: Prior of each substance by kind of surface, in the order of ``house.SUBSTANCES``: a ceiling is
+#: almost never carpet, for example, even if a photo makes it look so.
 SUBSTANCES_OF = {
     "floor": (0.45, 0.03, 0.26, 0.26),
     "wall": (0.02, 0.92, 0.002, 0.058),
     "ceiling": (0.025, 0.965, 0.001, 0.009),
 }
-#: The same of floors in rooms of which one is usual, whatever the rest of the house has.
+#: Prior of floors in types of rooms that have a usual floor of their own, unlike the other rooms.
 FLOORS_OF = {
     "Bathroom": (0.06, 0.02, 0.03, 0.89),
     "Outdoor": (0.2, 0.25, 0.01, 0.54),
     "Terrace": (0.2, 0.25, 0.01, 0.54),
     "Balcony": (0.2, 0.25, 0.01, 0.54),
 }
-#: The head is surer than it is right on real photos: its logits count this many times less.
+#: The substance head is overconfident on real photos: its logits are divided by this.
 TEMPERATURE = 3.0
 
 
 def usual_shares(surface: str, types: Collection[str] = ()) -> np.ndarray:
-    """Return how often a kind of surface is of each substance, (4,), in a room of some types."""
+    """Return the prior (4,) of the substances of a kind of surface in a room of these types."""
     rooms = [FLOORS_OF.get(name, SUBSTANCES_OF["floor"]) for name in types]
     if surface != "floor" or not rooms:
         return np.array(SUBSTANCES_OF[surface])
@@ -39,23 +39,23 @@ def usual_shares(surface: str, types: Collection[str] = ()) -> np.ndarray:
 
 
 def on_surfaces(probabilities: np.ndarray, surfaces: Sequence[str]) -> np.ndarray:
-    """Return substances' probabilities (..., n, 4), knowing which kind of surface each of n is."""
+    """Return substance probabilities (..., n, 4), given the kind of each of the n surfaces."""
     if not probabilities.size:
         return probabilities
     return weighed(probabilities, np.array([usual_shares(surface) for surface in surfaces]))
 
 
 def weighed(probabilities: np.ndarray, usual: np.ndarray) -> np.ndarray:
-    """Return substances' probabilities (..., 4) where `usual` (..., 4) is how often each is met.
+    """Return substance probabilities (..., 4), given the prior `usual` (..., 4).
 
-    Bayes' rule: those of the texture model's head, softened, times the usual shares.
+    Bayes' rule: the texture model's probabilities, softened by `TEMPERATURE`, times the prior.
     """
     found = np.maximum(probabilities, 1e-12) ** (1.0 / TEMPERATURE) * usual
     return np.asarray(found / found.sum(axis=-1, keepdims=True), dtype=np.float32)
 
 
 def jointed_floors(embeddings: pd.DataFrame, house: House) -> dict[str, tuple[float, float]]:
-    """Return how probably each room's floor is of wood, and of tiles, by the rows of its crops."""
+    """Return by room the probabilities that its floor is wood and tiles, from its crops' rows."""
     found = {}
     floors = embeddings[embeddings["crop_id"].str.startswith("floor/")]
     for room, rows in floors.groupby("room_id"):

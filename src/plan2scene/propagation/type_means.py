@@ -1,4 +1,4 @@
-"""Mean embeddings of training surfaces by room type: NaiveSynth's for unobserved surfaces."""
+"""Mean embeddings of training surfaces by room type, as predictions for unobserved surfaces."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from plan2scene.house import ROOM_TYPES, SURFACES
 class TypeMeans:
     """Mean embeddings over training surfaces."""
 
-    #: (12, 3, 11) float32, by room type and surface; without samples the surface's
+    #: (12, 3, 11) float32, by room type and surface; over all types where a type has no sample
     embedding: np.ndarray
     naive: np.ndarray  #: (12, 3, 8) float32, the same for the NaiveSynth model's code
 
     def predict(self, types: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the (3, 11) and (3, 8) means of a room of the types (12,), multi-hot."""
+        """Return the (3, 11) and (3, 8) means for a room with these types (12,), multi-hot."""
         return self.embedding[types > 0].mean(axis=0), self.naive[types > 0].mean(axis=0)
 
 

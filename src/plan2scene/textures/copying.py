@@ -29,7 +29,7 @@ _Tiles: TypeAlias = dict[SurfaceKey, Tile]
 def crop_tiles(
     inputs: TextureInputs, own_crop: Callable[[Sequence[Crop]], Crop] = medoid_crop
 ) -> _Tiles:
-    """Return the crop that stands for each surface, at its own scale where it is known."""
+    """Return the crop that represents each surface, at its own scale where that is known."""
 
     def make(choice: Choice, size_m: float) -> Tile:
         own = choice.crop.size_m
@@ -39,8 +39,8 @@ def crop_tiles(
 
 
 def retrieved_tiles(inputs: TextureInputs) -> _Tiles:
-    """Return the library's tile nearest to each of those crops."""
-    nearest: dict[str, int] = {}  # rooms often fall back on one crop
+    """Return the library's tile nearest to the crop that represents each surface."""
+    nearest: dict[str, int] = {}  # several surfaces often use the same crop
 
     def make(choice: Choice, size_m: float) -> Tile:
         library, name = inputs.data.library, choice.crop.crop_id
@@ -52,7 +52,7 @@ def retrieved_tiles(inputs: TextureInputs) -> _Tiles:
 
 
 def flat_tiles(inputs: TextureInputs) -> _Tiles:
-    """Return the median colour of each of those crops."""
+    """Return the median colour of the crop that represents each surface."""
     return {
         key: replace(
             tile,
@@ -79,7 +79,7 @@ def _tiles(
     make: Callable[[Choice, float], Tile],
     own_crop: Callable[[Sequence[Crop]], Crop],
 ) -> _Tiles:
-    """Return what is made of each surface's crop; a usual tile where there is no crop at all."""
+    """Return what `make` makes of each surface's crop; a usual tile if there is no crop at all."""
     house, seed = inputs.house, inputs.settings.seed
     tiles = {}
     for surface in inputs.surfaces:

@@ -1,11 +1,11 @@
-"""The photo crop that stands for each surface: what the baselines' tiles are made of.
+"""The photo crop that represents each surface: the baselines make their tiles of it.
 
-Crop (paper section 6.1) puts it on the surface as it is; two from related work make more of it:
+Method Crop (paper section 6.1) puts it on the surface as it is. Two from related work change it:
 
 ``medoid_colour``  one flat colour, the crop's median (IM2CAD, Izadinia et al. 2017, section 4.4)
 ``projection``     the photo region itself, stretched over the surface, so that it does not repeat
-                   (Rent3D, Liu et al. 2015). A crop is at most a metre wide: the largest good one
-                   of the surface is taken, the sharpest of equals
+                   (Rent3D, Liu et al. 2015). A crop is at most a metre wide: the largest one of
+                   the surface is taken, and the sharpest of equally large ones
 
 An observed surface gets its reference crop, the medoid of its visible crops. For an unobserved
 one a random crop is drawn from the first of these pools that is not empty:
@@ -17,7 +17,7 @@ one a random crop is drawn from the first of these pools that is not empty:
 4. same surface type in other houses,
 5. any surface of the house.
 
-Where all are empty the stage takes a tile of the library.
+If all are empty, the stage takes a tile of the library.
 """
 
 from __future__ import annotations
@@ -39,18 +39,18 @@ from plan2scene.io import read_parquet, write_parquet
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.seeds import generator
 
-#: Substance of a surface that nothing is known of, by surface; wet rooms have tiled floors.
+#: Substance of a surface of which nothing is known, by kind; floors of `_TILED_ROOMS` are tiled.
 _USUAL_SUBSTANCE = {"floor": "wood", "wall": "plaster", "ceiling": "plaster"}
 _TILED_ROOMS = frozenset({"Bathroom", "Balcony", "Terrace", "Outdoor"})
 
 
 @dataclass(frozen=True)
 class Crop:
-    """A visible crop of a surface: PNG bytes of 128x128 sRGB, and the metres it covers.
+    """A visible crop of a surface: PNG bytes of 128x128 sRGB, and the metres that its side covers.
 
-    `size_m` and `sharpness` (photo pixels per crop pixel) are NaN where unknown; `detail` is a
-    JPEG at the photo's own resolution, empty where the crop holds as much; `window` is x0 y0 x1 y1
-    on its plane of the photo, metres.
+    `size_m` and `sharpness` (photo pixels per crop pixel) are NaN where unknown. `detail` is a
+    JPEG at the photo's own resolution, empty where the crop has the same detail. `window` is
+    x0 y0 x1 y1 on the photo's plane, metres.
     """
 
     crop_id: str
@@ -78,7 +78,7 @@ class Crop:
 
 @lru_cache(maxsize=1024)
 def _pixels(png: bytes) -> np.ndarray:
-    """Return the pixels of a crop: several methods ask for them at several drops."""
+    """Return the pixels of a crop, cached: several methods read them at several drops."""
     return image_from_bytes(png)
 
 
@@ -93,7 +93,7 @@ class PoolCrop:
 
 @dataclass(frozen=True)
 class Choice:
-    """The crop chosen for a surface, and from which pool it is."""
+    """The crop chosen for a surface, and where it comes from, in words."""
 
     crop: Crop
     source: str
@@ -105,10 +105,10 @@ def medoid_crop(crops: Sequence[Crop]) -> Crop:
 
 
 def largest_crop(crops: Sequence[Crop]) -> Crop:
-    """Return the crop that covers most, the sharpest of equals, the first of those.
+    """Return the crop that covers most; among equals the sharpest, then the first.
 
-    Windows are cut to whole pixels, so sides within a centimetre count as equal; unknown values
-    count as nothing.
+    Windows are cut to whole pixels, so sides are rounded to a centimetre. Unknown values count as
+    0.
     """
     known = [
         (round(np.nan_to_num(crop.size_m), 2), float(np.nan_to_num(crop.sharpness)))
@@ -125,11 +125,11 @@ def choose_crop(
     own_crop: Callable[[Sequence[Crop]], Crop] = medoid_crop,
     others: Sequence[PoolCrop] = (),
 ) -> Choice | None:
-    """Return the crop that stands for a surface; None where there is none at all.
+    """Return the crop that represents a surface; None if there is no crop at all.
 
     `plan` gives the room types. `crops` are all visible ones of the house, in a stable order,
-    `others` those of other houses. `own_crop` says which of its own crops an observed surface gets.
-    The choice depends on the global seed, the house and the surface alone.
+    `others` those of other houses. `own_crop` chooses among the own crops of an observed surface.
+    The random draw depends on the global seed, the house and the surface alone.
     """
     own = [crop for crop in crops if crop.key == key]
     if own:
@@ -160,10 +160,10 @@ def flat_image(image: np.ndarray) -> np.ndarray:
 
 
 def surface_extent(plan: House, key: SurfaceKey) -> tuple[float, tuple[float, float]]:
-    """Return the side of the square that holds a surface, and where it begins, metres.
+    """Return the side of the square that holds a surface, and the square's corner, metres.
 
-    In the texture coordinates of the mesh: floors and ceilings are (x, z), a room's walls are one
-    strip along its outline (or a column's in it), from the ceiling down.
+    Both are in the texture coordinates of the mesh: (x, z) for floors and ceilings. A room's walls
+    are one strip along its outline (or that of a column in it), from the ceiling down.
     """
     room = plan.room(key.room_id)
     if key.surface == "wall":
@@ -195,9 +195,9 @@ def write_pool(
 ) -> None:
     """Write ``crop_pool.parquet``: the medoid crop of every surface that these houses show.
 
-    One crop a surface, so that rooms of many photos do not outweigh the others (and the file of
-    129 houses stays near 50 MB). Columns ``house, room_id, types (joined by |), surface, crop_id,
-    metres, sharpness, png``.
+    There is one crop per surface, so that rooms of many photos do not outweigh the others (and the
+    file of 129 houses stays near 50 MB). Columns ``house, room_id, types (joined by |), surface,
+    crop_id, metres, sharpness, png``.
     """
     import pandas as pd
 
@@ -214,7 +214,7 @@ def write_pool(
 
 
 def read_pool(path: str | Path, *, but: str) -> list[PoolCrop]:
-    """Return the crops of a pool but those of one house."""
+    """Return the crops of a pool, except those of the house `but`."""
     frame, _ = read_parquet(path)
     missing = {"house", "types", "crop_id", "png"} - set(frame.columns)
     if missing:

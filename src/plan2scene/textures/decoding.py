@@ -1,11 +1,11 @@
 """Tiles decoded from embeddings: methods synth and naivesynth, and synth-large.
 
 A decoded tile has its colours and grain from eight numbers. Method ``synth-large`` gives it the
-power by sector of the spectrum and the colour distribution of the crop itself, in turns (after
+crop's own power by sector of the spectrum and the crop's colour distribution, in turns (after
 Heeger and Bergen 1995, DOI 10.1145/218380.218446; colours by sliced optimal transport, Pitie et al.
-2007, DOI 10.1016/j.cviu.2006.11.011). Both act on the torus, so what tiled before tiles after.
+2007, DOI 10.1016/j.cviu.2006.11.011). Both keep a tile periodic.
 
-Torch is imported only where something is decoded.
+Torch is imported only when something is decoded.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ from plan2scene.textures.tiles import Tile
 class StatisticsSettings:
     """How a tile gets a crop's statistics. Chosen by looking at tiles of development crops."""
 
-    rounds: int = 4  #: of spectrum and colours in turn
-    turns: int = 8  #: rotations of the colour space a round
+    rounds: int = 4  #: number of rounds; each matches the spectrum, then the colours
+    turns: int = 8  #: rotations of the colour space per round
     orientations: int = 8  #: sectors of a half circle of the spectrum
-    others: int = 5  #: crops that help with the light
-    slowest: float = 1.5  #: waves a tile; slower ones are the light's as much as the texture's
+    others: int = 5  #: largest number of other crops that help to find the light
+    slowest: float = 1.5  #: least waves per tile that are matched; slower ones may be light
 
 
 _S = StatisticsSettings()
@@ -73,12 +73,11 @@ def further_images(
     *,
     seamless: bool,
 ) -> list[np.ndarray]:
-    """Return `count` more images (size, size, 3) uint8 of each surface, one surface's together.
+    """Return `count` more images (size, size, 3) uint8 of each surface, grouped by surface.
 
     FID needs more images than its features have dimensions, and a test split has fewer surfaces
-    (the paper takes 24 seeds): these differ from the surface's tile (:func:`decoded_tiles`) in
-    their noise only. Where they are to be `seamless` the seams of a model that does not tile are
-    repaired.
+    (the paper takes 24 seeds). These images differ from the surface's tile (:func:`decoded_tiles`)
+    in their noise only. With `seamless`, seams are repaired if the model's images do not tile.
     """
     known = {surface.key: surface for surface in inputs.surfaces}
     places = [(known[key], (k,)) for key in keys for k in range(1, count + 1)]
@@ -98,7 +97,7 @@ def _decoded(
 ) -> tuple[np.ndarray, bool]:
     """Return an image (n, size, size, 3) uint8 of each surface, and whether they tile.
 
-    `numbers` tells images of one surface apart: what their noise derives from besides its name.
+    `numbers` go into the noise's seeds, so that images of one surface differ.
     """
     from plan2scene.textures.model.texture_model import decode_textures, load_texture_model
 
@@ -142,8 +141,8 @@ def constrained_tiles(
 def match_statistics(tile: np.ndarray, crop: np.ndarray, seed: int) -> np.ndarray:
     """Return a tile (s, s, 3) uint8 with the spectrum and the colours of a crop of the same size.
 
-    Both are sRGB; the tile repeats, at least 32 px; the crop's light should be even. `seed` is that
-    of the rotations of the colour space.
+    Both are sRGB, at least 32 px. The tile is periodic; the crop's light should be even. `seed` is
+    for the rotations of the colour space.
     """
     if tile.shape != crop.shape or tile.shape[0] != tile.shape[1]:
         raise ValueError(f"expected equal square shapes, found {tile.shape} and {crop.shape}")
@@ -164,8 +163,8 @@ def even_crop(
 ) -> np.ndarray:
     """Return a crop (128, 128, 3) uint8 under even light, (size, size, 3) uint8.
 
-    `others` are further crops of the surface that tell its shading from the material's. `tone` (3,)
-    is the surface's median colour, sRGB in [0, 1], that the crop is scaled to.
+    `others` are further crops of the surface; they help to separate shading from the material's own
+    variation. The crop is scaled to `tone` (3,), the surface's median colour, sRGB in [0, 1].
     """
     images = np.stack([crop, *others[: _S.others]]) / 255.0
     flat = flatten(images, highlights(images))[0]
@@ -209,7 +208,7 @@ def _powers(spectrum: np.ndarray) -> np.ndarray:
 
 
 def _sector_power(values: np.ndarray) -> np.ndarray:
-    """Return the power by sector (sectors, 3) of an image that does not repeat, per its window."""
+    """Return the power by sector (sectors, 3) of a windowed image, which need not be periodic."""
     size = values.shape[0]
     line = np.hanning(size + 2)[1:-1]
     window = np.outer(line, line)
@@ -219,7 +218,7 @@ def _sector_power(values: np.ndarray) -> np.ndarray:
 
 
 def _with_power(values: np.ndarray, power: np.ndarray) -> np.ndarray:
-    """Return an image (s, s, 3) on the torus with the power of each sector; the slowest stay."""
+    """Return a periodic image (s, s, 3) given the power of each sector, except the slowest."""
     spectrum = np.fft.rfft2(values, axes=(0, 1))
     gain = np.sqrt(power / np.maximum(_powers(spectrum), 1e-6))
     gain[0] = 1.0

@@ -1,9 +1,9 @@
-"""The texture stage: a tile for every surface of a house, by a method or all of a table.
+"""The texture stage: a tile for every surface of a house, by one method or all of a table.
 
-Seam correction is a switch per method. The metrics read the very tiles written here, and the
+Seam correction is a switch per method. The metrics read the tiles that are written here, and the
 paper compares Crop and Retrieve as they are (a corrected crop's TILE would not be Crop's), so
-both are left alone by default; a decoder with periodic noise tiles by construction and is never
-touched. Crops stay at their 128 px whatever `size_px` is: more pixels would add nothing.
+both are left alone by default. A decoder with periodic noise tiles by construction and is never
+corrected. Crops stay at their 128 px whatever `size_px` is, because they hold no more detail.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from plan2scene.textures.maps import SurfaceMap
 from plan2scene.textures.methods import TextureMethod, method_named
 from plan2scene.textures.tiles import NoTile, Tile
 
-#: Files of maps, which the table does not compare.
+#: Patterns of the files of maps, which the table does not compare.
 _MAPS = shutil.ignore_patterns("*.jpg", "maps.json")
 
 
@@ -67,7 +67,7 @@ def make_textures(
         materials = {surface.key: surface.material for surface in surfaces}
         seed = inputs.settings.seed
         patterns = patterns_of_floors(house, tiles, patterns)
-        sizes = {surface.key: surface.size_m for surface in surfaces}  # a crop's, for the metrics
+        sizes = {surface.key: surface.size_m for surface in surfaces}  # a crop's, as metrics need
         laid = {
             key: tile_of_pattern(tiles[key], p, sizes[key], seed)
             for key, p in patterns.items()
@@ -157,10 +157,10 @@ def table_textures(
 ) -> None:
     """Write ``{drop}/{method}/`` to `out_dir`, each as the texture stage makes it.
 
-    `drops` says what the house shows at each fraction (``"0.6"``). Methods that draw noise make so
-    many `images` of each surface with crops for FID and KID, the tile included; the others than the
-    tile are ``more/{k}/{room_id}_{surface}.png``, k from 1. `ready` are folders of the texture
-    stage by drop and method, whose tiles are copied.
+    `drops` tells what is visible at each share of hidden photos. Methods that draw noise make
+    `images` images of each surface with crops, for FID and KID: the tile, and others that are
+    ``more/{k}/{room_id}_{surface}.png``, k from 1. `ready` holds folders of the texture stage by
+    drop and method; their tiles are copied.
     """
     data = HouseData(files)
     with atomic_directory(out_dir) as folder:

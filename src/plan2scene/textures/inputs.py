@@ -1,4 +1,4 @@
-"""What texture methods make a house's tiles from: its files, read when first asked for."""
+"""The inputs of texture methods: the files of a house, each read when it is first needed."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class HouseFiles:
-    """Files of one house that do not depend on the drop, and what methods take from elsewhere.
+    """Files of one house that do not depend on the drop (share of hidden photos), and shared files.
 
-    `library` are the tiles of Retrieve, `crop_pool` crops of other houses, `colours` what photos
-    show of all surfaces, `patterns` those of floors; None without.
+    `library` holds the tiles of Retrieve, `crop_pool` crops of other houses, `colours` the colours
+    of all surfaces in the photos, `patterns` floors and walls in bands; None where there is none.
     """
 
     house_id: str
@@ -39,7 +39,7 @@ class HouseFiles:
 
     @classmethod
     def of(cls, paths: Mapping[str, Any], house_id: str) -> HouseFiles:
-        """Return the files among a job's inputs: scene, crops and, where given, the others."""
+        """Return the files from a job's inputs: scene, crops and, where given, the others."""
         names = ("library", "pool", "colours", "patterns")
         others = (Path(paths[name]) if paths.get(name) else None for name in names)
         return cls(house_id, Path(paths["scene"]), Path(paths["crops"]), *others)
@@ -47,7 +47,7 @@ class HouseFiles:
 
 @dataclass(frozen=True)
 class Visible:
-    """What a house shows at one drop: ``propagated.parquet``, and the photos that are hidden."""
+    """What is visible of a house at one drop: ``propagated.parquet`` and the hidden photos."""
 
     propagated: Path
     hidden_photos: Sequence[str] = ()
@@ -55,10 +55,10 @@ class Visible:
 
 @dataclass(frozen=True)
 class TextureSettings:
-    """Global seed, pixels of a tile's side, whether seams are corrected by method, threads.
+    """Global seed, pixels of a tile's side, whether each method's seams are corrected, threads.
 
-    A method that `seam_correction` leaves out is treated as the registry says. So many materials
-    as `threads` are worked on at a time; tiles do not depend on it.
+    A method that is not in `seam_correction` has the registry's default. `threads` is the number of
+    materials that are made at a time; tiles do not depend on it.
     """
 
     seed: int
@@ -71,10 +71,10 @@ class TextureSettings:
 class KnownSurface:
     """What is known of a surface, a row of ``propagated.parquet``.
 
-    `embedding` (11,) and `naive_embedding` (8,) are float32, None where not worked out;
-    `size_m` is the metres that its tile covers, `source` the crop or the propagation behind it,
-    `material` the name of what it shares with other rooms (empty for nothing). `colour` (3,) is
-    the sRGB that all photos together give it, None where that is not known.
+    `embedding` (11,) and `naive_embedding` (8,) are float32, None where not computed. `size_m` is
+    the metres that its tile's side covers, `source` the crop or the propagation that the embedding
+    comes from, `material` the name of the material that it shares with other rooms (or empty).
+    `colour` (3,) is its sRGB colour from all photos together, None where that is not known.
     """
 
     key: SurfaceKey
@@ -106,7 +106,7 @@ class KnownSurface:
 
     @property
     def tone(self) -> np.ndarray | None:
-        """Return the colour (3,) sRGB that all photos give the surface, else its embedding."""
+        """Return the surface's colour (3,) sRGB from all photos, else from its embedding."""
         if self.colour is not None:
             return np.clip(self.colour, 0.0, 1.0)
         if self.embedding is None:
@@ -115,10 +115,10 @@ class KnownSurface:
 
 
 class HouseData:
-    """The plan and tables behind :class:`HouseFiles`, each read once, when first asked for.
+    """The plan and tables of :class:`HouseFiles`, each read once, when it is first needed.
 
-    `exemplars` and `decoded` keep what was made: many surfaces have the same crops, or the same
-    embedding, at several drops and by several methods.
+    `exemplars` and `decoded` cache what was made: many surfaces have the same crops, or the same
+    embedding, at several drops and in several methods.
     """
 
     def __init__(self, files: HouseFiles) -> None:
@@ -133,7 +133,7 @@ class HouseData:
 
     @cached_property
     def crops(self) -> pd.DataFrame:
-        """``crops.parquet``, with the crops of hidden photos."""
+        """``crops.parquet``, including the crops of hidden photos."""
         return read_parquet(self.files.crops)[0]
 
     @cached_property
@@ -145,14 +145,14 @@ class HouseData:
 
     @cached_property
     def pool(self) -> list[PoolCrop]:
-        """Crops of other houses; none where none are pooled."""
+        """Crops of other houses; empty without a pool."""
         path = self.files.crop_pool
         return read_pool(path, but=self.files.house_id) if path else []
 
     def at(
         self, visible: Visible, models: Mapping[str, Path], settings: TextureSettings
     ) -> TextureInputs:
-        """Return what there is to make tiles from at a drop."""
+        """Return the inputs of a texture method at a drop."""
         hidden = set(visible.hidden_photos)
         rows = read_parquet(visible.propagated)[0].itertuples()
         crops = (Crop.of(row) for row in self.crops.itertuples() if row.photo not in hidden)
@@ -162,10 +162,10 @@ class HouseData:
 
 @dataclass(frozen=True, eq=False)
 class TextureInputs:
-    """What a method makes tiles from."""
+    """The inputs from which a method makes tiles."""
 
     data: HouseData  #: gives the plan, the library and the crops of other houses
-    surfaces: tuple[KnownSurface, ...]  #: those that want a tile
+    surfaces: tuple[KnownSurface, ...]  #: those that need a tile
     crops: tuple[Crop, ...]  #: of visible photos, in the file's order
     models: Mapping[str, Path]  #: weight files by name (``texture``, ``naivesynth``)
     settings: TextureSettings

@@ -1,7 +1,7 @@
 """Floors laid from whole planks and tiles that were cut out of photos.
 
-The grid is the plan's, not the room's: a floor runs on through doors, planks and all. Each unit is
-one of those that lie farthest away by then, mirrored otherwise than there.
+The rows follow the plan's grid, not the room's, so planks run on through doors. A place gets one of
+the units that were last used farthest away, each time mirrored or turned differently.
 """
 
 from __future__ import annotations
@@ -29,13 +29,14 @@ _Point = tuple[float, ...]
 class LayingSettings:
     """Tuned constants. Chosen by looking at maps of development homes."""
 
-    least_units: int = 6  #: with fewer, the same ones would lie side by side
-    px_per_m: float = 256.0  #: of a map
-    upright_deg: float = 6.0  #: from the plan's axes, within which a floor lies along them
-    sight_m: float = 3.0  #: within which equal units are kept apart
-    drawn: float = 0.25  #: share of the units, the farthest, of which one is drawn
-    other_size: float = 0.5  #: worth of a log ratio of a tile's size, over that of stretched units
-    run: float = 0.4  #: share of a run of planks without a known length, at least, that is laid
+    least_units: int = 6  #: fewer units are not laid: equal ones would lie side by side
+    px_per_m: float = 256.0  #: pixels per metre of a map
+    upright_deg: float = 6.0  #: a floor is laid along a plan axis if its angle to it is no larger
+    sight_m: float = 3.0  #: distance up to which equal units are kept apart
+    drawn: float = 0.25  #: share of the units, those used farthest away, of which one is drawn
+    #: weight of the log ratio of a tile's side to the side asked for, over that of stretched units
+    other_size: float = 0.5
+    run: float = 0.4  #: least share that is laid of a run of planks without a known length
 
 
 LAYING = LayingSettings()
@@ -49,15 +50,16 @@ class LaidPattern:
     width_m: float  #: width_m, length_m: of a unit; length NaN for planks of many lengths
     length_m: float
     direction_deg: float  #: of the length, from +x towards +z; NaN where not known
-    offset: float  #: of a row against the row before, over the length
-    #: (3,) float: By how much a joint's sRGB is less than its units', over theirs
+    offset: float  #: shift of a row against the row before, over the length
+    #: (3,) float: Darkness of a joint, (units' sRGB - joint's sRGB) / units' sRGB
     joint: np.ndarray
     joint_m: float
-    #: list of (h, w, 3) uint8: sRGB levels, 127.5 where the floor has its usual colour; none where
+    #: list of (h, w, 3) uint8: sRGB levels, 127.5 where the floor has its usual colour; empty where
     #: only joints are known
     units: list[np.ndarray]
-    like: str = ""  #: room whose floor runs on in this one, which no photo shows; empty for none
-    slant_deg: float = 0.0  #: between units and direction: of a herringbone or chevron, 0 for rows
+    #: id of the room whose floor runs on into this one, if no photo shows this one's; else empty
+    like: str = ""
+    slant_deg: float = 0.0  #: angle of units to `direction_deg` in herringbones, chevrons; else 0
 
     @property
     def square(self) -> bool:
@@ -80,7 +82,7 @@ class LaidPattern:
 def read_patterns(path: str | Path) -> dict[SurfaceKey, LaidPattern]:
     """Return the patterns of ``patterns.parquet`` that floors can be laid by.
 
-    Those without units are of a known size, but no photo shows enough whole ones.
+    A pattern without units has a known size, but no photo shows enough whole units.
     """
     table, _ = read_parquet(path)
     found = {}
@@ -104,7 +106,7 @@ def read_patterns(path: str | Path) -> dict[SurfaceKey, LaidPattern]:
 
 
 def pattern_of(patterns: Mapping[SurfaceKey, LaidPattern], *keys: SurfaceKey) -> LaidPattern | None:
-    """Return the pattern of the first of some surfaces that has one, its own or another room's."""
+    """Return the first pattern found for `keys`, or that of the room that it is `like`."""
     found = next((patterns[key] for key in keys if key in patterns), None)
     return found and patterns.get(SurfaceKey(found.like, keys[0].surface), found)
 
@@ -114,8 +116,8 @@ def laid(
 ) -> tuple[np.ndarray, Area]:
     """Return a floor's image (h, w, 3) uint8 sRGB, and the area that it covers.
 
-    Rows are +z and columns +x of the plan. `colour` (3,) is the floor's usual sRGB in [0, 1]. With
-    one `seed` and `whole`, which holds all of them, floors run on from room to room.
+    Rows are +z and columns +x of the plan. `colour` (3,) is the floor's usual sRGB in [0, 1].
+    `whole` is an area that holds all floors: with the same `whole` and `seed` they match at doors.
     """
     scale = LAYING.px_per_m
     low, size = _pixels(area)
@@ -126,7 +128,7 @@ def laid(
         rows = _columns(pattern, first, last, _planks(pattern, begin, end, seed))
     else:
         rows = _rows(pattern, first, last, _places(pattern, begin, end, seed))
-    # Pixel middles of the map, in those of the rows.
+    # From pixel centres of the map to pixel centres of the rows.
     middle = turn @ (low + 0.5) - first - 0.5
     to_rows = np.column_stack([turn, middle])
     flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
@@ -140,9 +142,9 @@ def laid(
 def with_joints(
     pattern: LaidPattern, image: np.ndarray, area: Area, whole: Area | None = None
 ) -> tuple[np.ndarray, Area]:
-    """Return a floor's image (h, w, 3) uint8 sRGB with a pattern's joints, and what it covers.
+    """Return a floor's image (h, w, 3) uint8 sRGB with a pattern's joints drawn, and its area.
 
-    `whole` as of :func:`laid`.
+    `whole` as in :func:`laid`.
     """
     plain = replace(pattern, units=[np.full((2, 2, 3), 128, np.uint8)])
     joints, area = laid(plain, area, np.full(3, 0.5), 0, whole)
@@ -156,8 +158,8 @@ def laid_tile(
 ) -> tuple[np.ndarray, float]:
     """Return a tile (s, s, 3) uint8 sRGB that repeats without a seam, and the metres of its side.
 
-    These are about `size_m`: as many as whole units fill both ways, stretched a little. They lie
-    along the nearer axis of the plan; `colour` as of :func:`laid`.
+    The side is about `size_m`, so that whole units, stretched a little, fill it both ways. They lie
+    along the nearer axis of the plan; `colour` as in :func:`laid`.
     """
     sized, side, counts = _whole_units(pattern, size_m)
     pixels = np.full(2, round(side * LAYING.px_per_m))
@@ -175,9 +177,9 @@ def laid_tile(
 
 
 def _whole_units(pattern: LaidPattern, size_m: float) -> tuple[LaidPattern, float, tuple[int, int]]:
-    """Return a pattern of which whole units fill a square, its side, and how many along and down.
+    """Return the pattern stretched to fill a square, the square's side, and the counts along, down.
 
-    The units of a herringbone or chevron are its periods.
+    The counts are those of whole units; of a herringbone or chevron, of whole periods.
     """
     long, wide = pattern.length_m, pattern.width_m
     if pattern.slant_deg:
@@ -229,7 +231,7 @@ def _wrapped_places(
 def _wrapped_planks(
     pattern: LaidPattern, side: float, seed: int
 ) -> dict[tuple[int, int], tuple[int, int]]:
-    """Return units and turns as :func:`_planks`, the same where a square's next copies begin."""
+    """Return units and turns as :func:`_planks`, equal on opposite borders of a square."""
     high = side + pattern.length_m
     planks = dict(_planks(pattern, (0.0, 0.0), (high, high), seed))
     zigzag, step = _zigzag(pattern), pattern.width_m / 3
@@ -237,7 +239,7 @@ def _wrapped_planks(
     beyond = (x >= side) | (y >= side)
     x, y = x[beyond], y[beyond]
     pairs = np.hstack([zigzag.planks(x, y)[0], zigzag.planks(x % side, y % side)[0]])
-    for _ in range(3):  # a plank at a corner is that of three other corners
+    for _ in range(3):  # a plank at one corner is also that at the three other corners
         for *there, row, column in np.unique(pairs, axis=0).tolist():
             planks[there[0], there[1]] = planks[row, column]
     return planks
@@ -250,7 +252,7 @@ def _pixels(area: Area) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _turn(pattern: LaidPattern, size: np.ndarray) -> np.ndarray:
-    """Return the rotation (2, 2) from the plan to rows along x; `size` (2,) of the room."""
+    """Return the rotation (2, 2) from the plan to rows along x; by the room's `size` if unknown."""
     angle = pattern.direction_deg
     if not np.isfinite(angle):
         angle = 0.0 if size[0] >= size[1] else 90.0
@@ -262,7 +264,7 @@ def _turn(pattern: LaidPattern, size: np.ndarray) -> np.ndarray:
 
 
 def _extent(low: np.ndarray, size: np.ndarray, turn: np.ndarray) -> np.ndarray:
-    """Return the first and last pixel (2, 2) along and down the rows of a rectangle."""
+    """Return the first and last pixel (2, 2) of a rectangle, along and down the rows."""
     corners = low + size * np.array([[0, 0], [1, 0], [0, 1], [1, 1]])
     along = corners @ turn.T
     return np.array([np.floor(along.min(axis=0)), np.ceil(along.max(axis=0)) + 1]).astype(int)
@@ -277,7 +279,7 @@ class _Place:
     end: float
     unit: int
     way: int
-    begin: float  #: share of a run by which the part that is laid begins
+    begin: float  #: where the laid part of a run begins, as a share of the run
 
 
 @dataclass
@@ -293,7 +295,7 @@ class _Used:
         self.turns = np.zeros(self.count, int)
 
     def next(self, x: float, y: float, rng: np.random.Generator) -> int:
-        """Return a unit for a place that is none of those near it."""
+        """Return a unit for the place (x, y), drawn from those that were used farthest away."""
         away = np.full(self.count, LAYING.sight_m)
         np.minimum.at(away, self.units, np.hypot(*(self.places - (x, y)).T))
         far = np.argsort(-(away + 1e-3 * rng.random(self.count)))
@@ -304,7 +306,7 @@ class _Used:
         return unit
 
     def forget(self, above: float) -> None:
-        """Forget places above a row."""
+        """Forget places whose y is less than `above`, metres."""
         kept = self.places[:, 1] >= above
         self.units, self.places = self.units[kept], self.places[kept]
 
@@ -313,7 +315,7 @@ class _Used:
 def _places(pattern: LaidPattern, low: _Point, high: _Point, seed: int) -> list[_Place]:
     """Return the places of units in all rows between two corners, metres, row by row.
 
-    Kept for the other floors that run on with these.
+    Cached for the other floors that run on from this one.
     """
     rng = np.random.default_rng(seed)
     used, places = _Used(len(pattern.units)), []
@@ -351,7 +353,7 @@ def _zigzag(pattern: LaidPattern) -> Zigzag:
 def _planks(
     pattern: LaidPattern, low: _Point, high: _Point, seed: int
 ) -> dict[tuple[int, int], tuple[int, int]]:
-    """Return the unit of each plank in columns between two corners, metres, and its turn."""
+    """Return unit and turn of each plank of the columns between two corners, metres."""
     rng = np.random.default_rng(seed)
     used, found = _Used(len(pattern.units)), {}
     zigzag, step = _zigzag(pattern), pattern.width_m / 3
@@ -402,7 +404,7 @@ def _rows(
 ) -> np.ndarray:
     """Return rows of units (h, w, 3) float32, 0.5 where the floor has its usual colour.
 
-    `first` and `last` (2,): pixels along and down the grid, whose rows begin at 0.
+    `first` and `last` (2,) are pixels along and down the grid, whose row 0 begins at pixel 0.
     """
     scale = LAYING.px_per_m
     width = pattern.width_m * scale
@@ -431,7 +433,7 @@ def _lay(
 ) -> None:
     """Put a unit into a row's image (h, w, 3), whose columns begin at pixel `first`.
 
-    `rows`: which row of the unit is the image's first, and how many it has.
+    `rows`: the unit's pixel row that is the image's first, and how many pixel rows the unit has.
     """
     left, right = (round(end * LAYING.px_per_m) for end in (place.start, place.end))
     low, high = max(left, first), min(right, first + row.shape[1])

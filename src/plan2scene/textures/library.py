@@ -1,7 +1,7 @@
 """The tileable library and the Retrieve baseline: the texture nearest to a crop (paper, 6.1).
 
-The paper takes the least pixel L1. Textures are not aligned with crops, so that compares little
-more than brightness; here colour and coarseness decide, which finds clearly nearer tiles.
+The paper takes the least L1 distance of pixels. Textures are not aligned with crops, so that
+compares little more than brightness. Here colour and coarseness decide: tiles are clearly nearer.
 The library is generated from procedural materials or read from a user's folder of tileable
 images; either way it is one Parquet file with columns ``name, substance, size_m, png``.
 """
@@ -23,8 +23,8 @@ from plan2scene.io import read_parquet, write_parquet
 from plan2scene.metrics.color_freq_tile import color_histogram, frequency_profile
 from plan2scene.seeds import derive_seed
 
-_FREQ_WEIGHT = 100.0  # dE2000 that FREQ of 1 counts as
-_COLOR_WEIGHT = 5.0  # dE2000 that COLOR of 1 counts as
+_FREQ_WEIGHT = 100.0  # a FREQ of 1 counts as this many dE2000
+_COLOR_WEIGHT = 5.0  # a COLOR of 1 counts as this many dE2000
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +100,7 @@ def _from_materials(materials: Sequence) -> TextureLibrary:
 def write_library(
     output: str | Path, *, folder: str | None, per_substance: int, seed: int, size_px: int
 ) -> None:
-    """Write the library file: of a user's `folder`, or generated where that is None.
+    """Write the library file: from a user's `folder`, or generated if that is None.
 
     The folder has subfolders wood, plaster, carpet, tile of images.
     """

@@ -1,8 +1,8 @@
 """Surface maps: one image for a whole surface, quilted from crops without repeating.
 
-Crops of a surface at the photos' own resolution are brought to one light, scale and direction;
-patches of them, in step with the pattern's lattice, are quilted on a grid as large as the surface.
-A floor or ceiling of one material that runs on through rooms shares one map.
+Crops of a surface at the photos' own resolution are brought to one light, scale and direction.
+Patches of them, aligned with the pattern's lattice, are quilted on a grid as large as the surface.
+Floors, or ceilings, of one material that runs on through rooms share one map.
 """
 
 from __future__ import annotations
@@ -46,25 +46,25 @@ from plan2scene.textures.tiles import Tile
 class MapSettings:
     """Tuned constants. Chosen by looking at maps of development homes, real and synthetic."""
 
-    px_per_m: float = 256.0  #: where the photos have as many
-    least_px_per_m: float = 32.0  #: so that a wall's edge of colour stays where it is
-    finer: float = 1.2  #: photo pixels along the finer direction of a plane over the mean
-    unseen: float = 0.7  #: root mean square, sRGB levels, below which detail is left away
+    px_per_m: float = 256.0  #: highest resolution of a map; less where the photos have less
+    least_px_per_m: float = 32.0  #: lowest one, so that a colour border on a wall keeps its place
+    finer: float = 1.2  #: resolution of a plane's finer direction over the mean of both
+    unseen: float = 0.7  #: root mean square, sRGB levels, up to which lost detail is invisible
     steps: tuple[float, ...] = (0.75, 0.5, 0.375, 0.25, 0.1875)  #: shares of the resolution tried
-    most_crops: int = 20  #: that a map is made of
-    enough_m2: float = 1.5  #: that crops show together, where the photos show as much
+    most_crops: int = 20  #: largest number of crops in a map
+    enough_m2: float = 1.5  #: once the crops show this area, no more planes of photos are added
     level_m: float = 0.15  #: slower variations (sigma) are levelled: a quilt would scatter them
-    smooth_px: float = 6.0  #: of a crop: the light's changes are slower
-    step_m: float = 0.3  #: between patches, where the crops are large enough
-    overlap_m: float = 0.1  #: of patches, where the crops are large enough
-    most_patches: int = 500  #: to choose from: their costs are worked out for each pair
-    share: float = 0.85  #: of a source's side that a patch without a lattice takes at most
-    least_patch_px: int = 12  #: side of a patch
-    phases: int = 48  #: bins of a period
-    most_px: int = 4096  #: side of a map: what every graphics processor takes
-    quality: int = 88  #: of the JPEG files
-    band_px: int = 64  #: side of the tile of a band that no crop shows alone
-    spread: float = 2.5  #: area of the rectangle around rooms of one material over theirs, at most
+    smooth_px: float = 6.0  #: sigma, crop pixels, of the filter that compares a crop's light
+    step_m: float = 0.3  #: distance between patches, where the crops are large enough
+    overlap_m: float = 0.1  #: width of their overlap, where the crops are large enough
+    most_patches: int = 500  #: largest number to choose from, since each pair's cost is computed
+    share: float = 0.85  #: largest side of a patch without a lattice, over its source's side
+    least_patch_px: int = 12  #: least side of a patch
+    phases: int = 48  #: number of bins of a period
+    most_px: int = 4096  #: largest side of a map: every graphics processor can hold it
+    quality: int = 88  #: quality of the JPEG files
+    band_px: int = 64  #: side of the one-colour tile of a band that no crop shows alone
+    spread: float = 2.5  #: largest area of the rectangle around rooms of one map, over their areas
 
 
 MAPS = MapSettings()
@@ -76,19 +76,19 @@ class Detail:
 
     sources: list[Source]  #: float sRGB in [0, 1] at `px_per_m`, the best first
     px_per_m: float
-    resolved: float  #: photo pixels per metre that the crops have, in the median
-    #: (float, float): Of the lattice along x and y, pixels; NaN for none
+    resolved: float  #: median over the crops of their photo pixels per metre
+    #: (float, float): Periods of the lattice along x and y, pixels; NaN for none
     periods: tuple[float, float]
     #: (n, 3) float: Number of the photo's plane that each source shows, and its middle there,
     #: pixels (x, y)
     origins: np.ndarray
-    turned: np.ndarray  #: (n,) bool: Which sources are turned by 90 degrees against their plane
+    turned: np.ndarray  #: (n,) bool: Whether each source is turned by 90 degrees against its plane
 
 
 def detail_of_pattern(pattern: Pattern, size_m: float) -> Detail:
-    """Return the sources that a tile's crops give.
+    """Return the sources of a map from the crops of a tile.
 
-    `size_m` is what the tile covers: the scale where no crop knows its own.
+    `size_m` is the side that the tile covers; it gives the scale where no crop has a known one.
     """
     if not np.isfinite(pattern.size_m):
         side = size_m / float(np.sqrt(pattern.cut.wide * pattern.cut.high))
@@ -110,10 +110,10 @@ def detail_of_pattern(pattern: Pattern, size_m: float) -> Detail:
 
 
 def various(pattern: Pattern) -> list[int]:
-    """Return the crops of a map, from planes that show much of the surface, and sharply.
+    """Return the crops of a map, from planes that show much of the surface sharply.
 
-    Photos differ in noise and sharpness, so planes are added only until they show enough. Of each
-    plane the largest crops come first, of equals the best.
+    Photos differ in noise and sharpness, so planes are added only until they show enough. Within a
+    plane the largest crops come first, and the best among equally large ones.
     """
     planes: dict[str, list[int]] = {}
     for k in pattern.order:
@@ -143,7 +143,7 @@ def _covered_m2(pattern: Pattern, members: Sequence[int]) -> float:
 
 
 def _origins(pattern: Pattern) -> np.ndarray:
-    """Return plane and middle (n, 3) of the crops that take part, metres; apart where unknown."""
+    """Return plane and middle (n, 3), metres, of the crops used; unknown planes are distinct."""
     numbers: dict[str, int] = {}
     rows = []
     for k in pattern.order:
@@ -154,7 +154,7 @@ def _origins(pattern: Pattern) -> np.ndarray:
 
 
 def detail_of_tile(tile: np.ndarray, size_m: float) -> Detail:
-    """Return a tile (s, s, 3) uint8 that repeats as the only source, laid out twice each way."""
+    """Return a periodic tile (s, s, 3) uint8, repeated 2 x 2, as the only source of a map."""
     image = np.tile(tile, (2, 2, 1)).astype(np.float32) / 255.0
     resolved = tile.shape[0] / size_m
     scale = min(1.0, MAPS.px_per_m / resolved)
@@ -179,13 +179,13 @@ def _resolved(pattern: Pattern, k: int) -> float:
 
 
 def _sources(pattern: Pattern, px_per_m: float) -> list[Source]:
-    """Return the crops that take part, straightened, at `px_per_m`."""
+    """Return the crops that are used, straightened, at `px_per_m`."""
     work = max(8, round(pattern.size_m * px_per_m))
     return levelled([_source(pattern, k, work) for k in pattern.order], px_per_m)
 
 
 def _source(pattern: Pattern, k: int, work: int) -> Source:
-    """Return a crop straightened for a tile of `work` px, of the photo's own pixels."""
+    """Return a crop straightened for a tile of `work` px, at the photo's own resolution."""
     crop = pattern.crops[k]
     if not crop.detail:
         return pattern.source(k, work)
@@ -211,7 +211,7 @@ def _source(pattern: Pattern, k: int, work: int) -> Source:
 def levelled(sources: Sequence[Source], px_per_m: float) -> list[Source]:
     """Return the sources without variations slower than `MAPS.level_m`.
 
-    Each channel is scaled by its mean over all sources over its mean nearby.
+    Each channel is multiplied by (its mean over all sources) / (its mean nearby).
     """
     near = [_nearby(source, MAPS.level_m * px_per_m) for source in sources]
     level = np.mean([n[s.valid].mean(axis=0) for n, s in zip(near, sources, strict=True)], axis=0)
@@ -261,7 +261,7 @@ def _lost(source: Source, step: float) -> float:
 def cell(px_per_m: float, period: float, side: float) -> Cell:
     """Return how patches lie along an axis of sources that are `side` px long.
 
-    With a `period` (px; NaN without) whole periods lie between them.
+    With a `period` (px; NaN for none) patches are a whole number of periods apart.
     """
     overlap = MAPS.overlap_m * px_per_m
     step = MAPS.step_m * px_per_m
@@ -276,9 +276,9 @@ def cell(px_per_m: float, period: float, side: float) -> Cell:
 
 
 def cut_patches(detail: Detail, rng: np.random.Generator) -> Patches | None:
-    """Return patches of the sources of a map; None where none holds a whole patch.
+    """Return patches of the sources of a map; None if no source holds a whole patch.
 
-    `rng` chooses among too many.
+    If there are more than `MAPS.most_patches`, `rng` draws some of them.
     """
     sources, px_per_m, periods = detail.sources, detail.px_per_m, detail.periods
     sides = [np.median([s.valid.shape[axis] for s in sources]) for axis in (0, 1)]
@@ -308,7 +308,7 @@ def cut_patches(detail: Detail, rng: np.random.Generator) -> Patches | None:
 
 
 def _middles(detail: Detail, places: np.ndarray, down: Cell, across: Cell) -> np.ndarray:
-    """Return plane and middle (n, 3) of patches (n, 3)."""
+    """Return plane and middle (n, 3), px, of patches at `places` (n, 3), as of :class:`Patches`."""
     source = places[:, 0]
     sizes = np.array([s.valid.shape for s in detail.sources])[source]
     y = places[:, 1] + (down.side - sizes[:, 0]) / 2
@@ -319,7 +319,7 @@ def _middles(detail: Detail, places: np.ndarray, down: Cell, across: Cell) -> np
 
 
 def _drawn(places: np.ndarray, most: int, rng: np.random.Generator) -> np.ndarray:
-    """Return at most so many rows, in their order."""
+    """Return at most `most` rows, drawn by `rng`, in their order."""
     if len(places) <= most:
         return places
     return places[np.sort(rng.choice(len(places), most, replace=False))]
@@ -333,7 +333,7 @@ def _starts(length: int, axis: Cell, shift: float) -> np.ndarray:
     if not math.isfinite(axis.period):
         stride = max(1, min(axis.side // 12, last // 6))
         return np.arange(0, last + 1, stride)
-    # A joint of the lattice lies in the middle of the patches' overlap.
+    # So that a joint of the lattice lies in the middle of the patches' overlap.
     first = (shift - axis.overlap / 2) % axis.period
     starts = np.rint(np.arange(first, last + 1, axis.period)).astype(int)
     return starts[starts <= last]
@@ -372,11 +372,11 @@ class SurfaceMap:
     """One image for a whole surface."""
 
     jpeg: bytes  #: sRGB
-    area: Area  #: what it covers in the mesh's texture coordinates, metres
-    #: px_per_m, photo_px_per_m: its pixels per metre, and those that the photos have of the surface
+    area: Area  #: the area that it covers in the mesh's texture coordinates, metres
+    #: px_per_m, photo_px_per_m: pixels per metre of the map, and of the photos of the surface
     px_per_m: float
     photo_px_per_m: float
-    pattern: str = ""  #: kind and size of the units that it is laid of, in words; empty for none
+    pattern: str = ""  #: kind and size of its units (planks, tiles), in words; empty for none
     split_m: float | None = None  #: height above the floor at which its two bands meet
 
     @classmethod
@@ -393,7 +393,7 @@ class SurfaceMap:
         return cls(jpeg, area, px_per_m, photo_px_per_m, pattern, split_m)
 
     def facts(self) -> dict[str, Any]:
-        """Return what ``maps.json`` says about it."""
+        """Return its entry in ``maps.json``."""
         named: dict[str, Any] = {"pattern": self.pattern} if self.pattern else {}
         if self.split_m is not None:
             named["split_m"] = self.split_m
@@ -407,7 +407,7 @@ class SurfaceMap:
 
 @dataclass(frozen=True, eq=False)
 class MappedSurface:
-    """A surface that gets a map: its tile, where it lies, the material that it shares."""
+    """A surface that gets a map: its tile, its area, the material that it shares (or empty)."""
 
     key: SurfaceKey
     tile: Tile
@@ -427,10 +427,10 @@ class Bands:
 def read_bands(
     path: str | Path, inputs: TextureInputs, tiles: Mapping[SurfaceKey, Tile]
 ) -> dict[SurfaceKey, Bands]:
-    """Return the walls in bands of ``patterns.parquet``, each band of crops that show it alone.
+    """Return the walls in two bands of ``patterns.parquet``; a tile uses crops of one band alone.
 
-    The band that looks like the wall's tile has its colour, the other one as much another colour as
-    the photos show.
+    The band whose colour is nearer to the wall's tile gets the tile's colour. The other band's
+    colour differs from it by the ratio that the photos show.
     """
     table, _ = read_parquet(path)
     crops = {(crop.key, crop.crop_id): crop for crop in inputs.crops}
@@ -472,8 +472,8 @@ def house_maps(
 ) -> dict[SurfaceKey, SurfaceMap]:
     """Return the maps of all surfaces that have faces.
 
-    A map has the colour of its tile and is quilted from what the tile was quilted from, or from
-    the tile itself.
+    A map has the colour of its tile and is quilted from the crops that the tile was quilted from,
+    or from the tile itself where there are none.
 
     Parameters
     ----------
@@ -524,7 +524,10 @@ def house_maps(
 def patterns_of_floors(
     house: House, tiles: Mapping[SurfaceKey, Tile], patterns: Mapping[SurfaceKey, LaidPattern]
 ) -> dict[SurfaceKey, LaidPattern]:
-    """Return the pattern that each floor is laid by: floors of the same crops are laid alike."""
+    """Return the pattern by which each floor is laid.
+
+    Floors of the same crops are laid alike, bathrooms apart from the other rooms.
+    """
     floors = [key for key in house.surface_keys() if key.surface == "floor" and key in tiles]
     wet = {room.id: "Bathroom" in room.types for room in house.rooms}
     found = {}
@@ -570,7 +573,7 @@ def _banded(
     details: dict[int, Detail],
     rng: np.random.Generator,
 ) -> SurfaceMap:
-    """Return the map of a wall of two materials in a room of a height."""
+    """Return the map of a wall of two materials in a room `height_m` high."""
     parts = []
     for tile in (bands.upper, bands.lower):
         part = replace(surface, tile=tile)
@@ -617,7 +620,7 @@ def _runs_on(first: MappedSurface, second: MappedSurface) -> bool:
 
 
 def _detail(tile: Tile, made: dict[int, Detail]) -> Detail:
-    """Return the sources of a tile's map, worked out once for each pattern."""
+    """Return the sources of a tile's map, computed once for each pattern."""
     if tile.pattern is None:
         return detail_of_tile(tile.image, tile.size_m)
     if id(tile.pattern) not in made:
@@ -628,10 +631,10 @@ def _detail(tile: Tile, made: dict[int, Detail]) -> Detail:
 def _images(
     group: Sequence[MappedSurface], detail: Detail, rng: np.random.Generator
 ) -> Iterator[tuple[SurfaceKey, np.ndarray, Area, float]]:
-    """Yield the images of a group's surfaces, what they cover and the photos' pixels a metre."""
+    """Yield each surface of a group, its image, the image's area, the photos' pixels per metre."""
     whole, tile = reduce(Area.union, (surface.area for surface in group)), group[0].tile
     patches = cut_patches(detail, rng)
-    if patches is None:  # no crop holds a patch, but the tile twice each way does
+    if patches is None:  # no crop holds a whole patch, but the tile repeated 2 x 2 does
         yield from _images(group, detail_of_tile(tile.image, tile.size_m), rng)
         return
     scale = detail.px_per_m
@@ -652,7 +655,7 @@ def _images(
 def _part(
     canvas: np.ndarray, origin: tuple[float, float], area: Area, scale: float
 ) -> tuple[np.ndarray, Area]:
-    """Return the pixels of a canvas that cover an area, and what they cover exactly."""
+    """Return the pixels of a canvas that cover an area, and the exact area of these pixels."""
     low = [int((area.low[k] - origin[k]) * scale) for k in (0, 1)]
     size = [int(np.ceil(side * scale)) + 1 for side in area.size]
     part = canvas[low[1] : low[1] + size[1], low[0] : low[0] + size[0]]

@@ -1,7 +1,7 @@
 """The texture methods: one registry for command line, configuration, workflow, stage and docs.
 
 A method is an entry point of the group :data:`GROUP` that names a :class:`TextureMethod`. A maker
-imports what it needs when it runs, so that the names cost nothing.
+imports what it needs when it runs, so that listing the methods is cheap.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from plan2scene.textures.inputs import TextureInputs
     from plan2scene.textures.tiles import NoTile, Tile
 
-    #: Makes the tiles of a house's surfaces, or says why there is none of one.
+    #: Makes a tile for each surface of a house, or says why there is none.
     Maker: TypeAlias = Callable[[TextureInputs], Mapping[SurfaceKey, Tile | NoTile]]
 
 GROUP = "plan2scene.texture_methods"  #: Entry points of this group name a :class:`TextureMethod`
@@ -29,18 +29,18 @@ GROUP = "plan2scene.texture_methods"  #: Entry points of this group name a :clas
 class TextureMethod:
     """How textures are made."""
 
-    name: str  #: as command line and configuration have it
-    summary: str  #: what an observed surface gets, for people
-    unobserved: str  #: what a surface gets that no visible photo shows
+    name: str  #: its name on the command line and in the configuration
+    summary: str  #: what an observed surface gets, in words
+    unobserved: str  #: what a surface gets that no visible photo shows, in words
     make: Maker  #: makes a tile for each surface of the inputs
     model: str | None = None  #: weight file that it decodes with: texture or naivesynth
-    embedding: str | None = None  #: column of ``propagated.parquet`` that it cannot do without
+    embedding: str | None = None  #: column of ``propagated.parquet`` that it needs
     library: bool = False  #: whether it may take tiles of the library
     crop_pool: bool = False  #: whether it may take crops of other houses
-    seam_correction: bool = False  #: of what does not tile, where the configuration is silent
+    seam_correction: bool = False  #: whether seams are corrected if the configuration does not say
     noise: bool = False  #: whether another seed gives another image (more images for FID and KID)
-    fallback: str | None = None  #: the method that makes the surfaces of which this one has no tile
-    needs: str = ""  #: what pip installs for it beside its own package's dependencies
+    fallback: str | None = None  #: name of the method for surfaces of which this one has no tile
+    needs: str = ""  #: what pip has to install for it besides its own package's dependencies
 
     @property
     def weights(self) -> str | None:
@@ -54,12 +54,12 @@ def texture_methods() -> dict[str, TextureMethod]:
 
 
 def method_code(*names: str) -> list[str]:
-    """Return what changes when the code of these methods does."""
+    """Return strings that change whenever the code of these methods changes."""
     return code_of(GROUP, TextureMethod, *names)
 
 
 def method_named(name: str) -> TextureMethod:
-    """Return a method; InputError for a name that is none."""
+    """Return the method of a name; InputError if there is none."""
     methods = texture_methods()
     if name not in methods:
         raise InputError(f"a method of {', '.join(methods)}", name)

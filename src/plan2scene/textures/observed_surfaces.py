@@ -1,4 +1,4 @@
-"""Selection: which crop stands for an observed surface (no torch)."""
+"""Selection: which crop represents an observed surface (no torch)."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ def select_surfaces(
 ) -> pd.DataFrame:
     """Choose a crop for every surface that a visible photo shows; write ``surfaces.parquet``.
 
-    The crop with the least textureness score gives the code (paper section 5.3), burned-out ones
-    left aside where there are others, and all crops give the colour (:func:`surface_embedding`);
-    NaiveSynth gets the mean of the crops' codes. `hidden_photos` count as not taken.
+    The crop with the least textureness score gives the code (paper section 5.3); burned-out crops
+    are left out if there are others. All crops give the colour (:func:`surface_embedding`).
+    NaiveSynth gets the mean of the crops' codes. Crops of `hidden_photos` are ignored.
     ``docs/conventions.md`` lists the columns. ``metres`` is the side of the square that the chosen
     crop covers, because its texture is at that scale; where that is unknown, the median over the
-    surface's crops (NaN when none knows). `threads` surfaces are worked on at a time; the choice
+    surface's crops (NaN if none is known). `threads` surfaces are processed at a time; the choice
     does not depend on it.
     """
     import pandas as pd
@@ -101,12 +101,12 @@ def _choose(group: pd.DataFrame) -> dict[str, Any]:
 def surface_embedding(
     codes: np.ndarray, textureness: np.ndarray, clipped: np.ndarray
 ) -> tuple[int, np.ndarray]:
-    """Return the index of the crop that stands for a surface, and the surface's embedding (d,).
+    """Return the index of the crop that represents a surface, and the surface's embedding (d,).
 
-    Light and casts differ from crop to crop and the score does not see them: the colour is the
-    median of all crops that are not burned out (of all where all are), the rest the crop's. `codes`
-    (n, d) float32 are the crops' embeddings, each with its median R, G, B in [0, 1] last;
-    `textureness` and `clipped` are as for :func:`best_crop`.
+    Light and colour casts differ from crop to crop and the score ignores them. So the colour is the
+    median of all crops that are not burned out (of all crops if all are); the rest is the chosen
+    crop's. `codes` (n, d) float32 are the crops' embeddings, each with its median R, G, B in [0, 1]
+    last; `textureness` and `clipped` are as in :func:`best_crop`.
     """
     index = best_crop(textureness, clipped)
     good = clipped <= _CLIPPED if (clipped <= _CLIPPED).any() else np.ones(len(codes), dtype=bool)
@@ -118,8 +118,8 @@ def surface_embedding(
 def best_crop(textureness: np.ndarray, clipped: np.ndarray) -> int:
     """Return the index of the least textureness score (n,), the first of equals; NaN is the worst.
 
-    A burned-out crop is flat, so it scores well and shows nothing: those with more than a quarter
-    of `clipped` pixels (n,) lose against all others. ValueError without any crop.
+    A burned-out crop is flat, so it scores well although it shows nothing. Crops whose share of
+    `clipped` pixels (n,) is above a quarter rank after all others. ValueError without any crop.
     """
     if not len(textureness):
         raise ValueError("the best of no crops")

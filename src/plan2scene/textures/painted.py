@@ -1,7 +1,7 @@
 """Textures of a house in the colours of its paint: what the 3D house shows.
 
-Tiles and maps are made in the colours of the photos, which hold their light. A viewer lights the
-house again, so its textures are to hold paint alone.
+Tiles and maps are made in the colours of the photos, which include the photos' light. A viewer
+lights the house again, so its textures must hold the paint alone.
 """
 
 from __future__ import annotations
@@ -44,55 +44,55 @@ from plan2scene.paint.surfaces import (
 from plan2scene.plans.parse import ID_PATTERN
 from plan2scene.stage_json import read_stage_json
 
-_QUALITY = 85  #: JPEG quality of maps, as of those that are painted
-#: Linear value on from which brightened values bend, so that none burns out: above white paint.
+_QUALITY = 85  #: JPEG quality of repainted maps
+#: Linear value above which brightened values bend, so that none burns out. It is above white paint.
 _KNEE = 0.88
-#: Patterns of white surfaces that are fainter (standard deviation of log brightness) are grain or
-#: relief: .006 to .027 on plain walls of real and synthetic homes (development), .03 to .06 on
-#: tiles, wallpaper and rough ceilings.
+#: A pattern on a white surface with a smaller standard deviation of log brightness is grain or
+#: relief. Plain walls of real and synthetic homes (development) have .006 to .027; tiles, wallpaper
+#: and rough ceilings have .03 to .06.
 FAINT = 0.028
-#: Patterns of white walls that are stronger are blinds, pictures, a splashback: .18 and .20 in a
-#: real listing (development); tiles and curtains have .06 at most.
+#: A stronger pattern on a white surface is a blind, a picture or a splashback: .18 and .20 in a
+#: real listing (development). Tiles and curtains have .06 at most.
 LOUD = 0.12
-#: Patterns of white walls of which more than the first share of the variance is the same from top
-#: to bottom, and less than the second from side to side, are folds of curtains, corners and edges
-#: of light: .38 to .8 and 0 to .12 in three real homes (development); of tiles both are above .26.
+#: A pattern on a white wall shows folds of curtains, corners or edges of light if more than the
+#: first share of its variance is constant from top to bottom, and less than the second from side to
+#: side: .38 to .8 and 0 to .12 in three real homes (development). For tiles both are above .26.
 UPRIGHT = (0.3, 0.15)
-PATTERNED = ("tile", "wood")  #: Substances whose patterns are no stains
+PATTERNED = ("tile", "wood")  #: Substances whose patterns are not stains
 _BLACK = 1e-3  #: Least linear value of a texture's median
-#: Factors of the channels that differ by more make another colour (light does 2.5 at most): noise
-#: of a channel that was nearly black would become blotches of its colour.
+#: Largest ratio of two channels' factors at which channels are scaled (light gives 2.5 at most).
+#: Beyond it, noise of a nearly black channel would become blotches of its colour.
 _TURNED = 3.0
-#: Carpets with fainter :func:`stains` have no pattern, but wear and light: .005 to .05 in three
-#: real homes (development); .10 for the faint dots of a carpet of the demo.
+#: Carpets with weaker :func:`stains` have no pattern, only wear and light: .005 to .05 in three
+#: real homes (development). The faint dots of a carpet in the demo have .10.
 PLAIN_CARPET = 0.07
-#: What balconies, terraces and yards have where no photo shows them, since carpets and wallpapers
-#: stay indoors: linear RGB and substances of grey stone (a garage's floor, too) and of render.
+#: Linear RGB and substance of unseen floors and walls of balconies, terraces and yards, since
+#: carpets and wallpapers stay indoors: grey stone (also for unseen garage floors) and render.
 OUTDOORS = {
     "floor": (np.full(3, 0.30), "tile"),
     "wall": (srgb_to_linear(np.array(RENDER, np.uint8)), "plaster"),
 }
-#: Mean CIEDE2000 to the true material by kind of surface, seen and not, and of a seen wall or
-#: ceiling of a colour: 43 synthetic homes with 60 % of their photos hidden (development).
+#: Mean CIEDE2000 to the true material of floors, walls and ceilings, seen and unseen, and of walls
+#: or ceilings seen to be coloured. 43 synthetic homes, 60 % of their photos hidden (development).
 SEEN, UNSEEN, COLOURED = (8.3, 6.2, 2.6), (16.1, 11.9, 2.6), 12.9
-DOUBTFUL = 10.0  #: Expected error from which on people are told of it
+DOUBTFUL = 10.0  #: Least expected error, CIEDE2000, that is mentioned to people
 
 
 @dataclass(frozen=True)
 class PlainSettings:
     """What is light and noise on plain paint. Chosen by looking at a real flat (development).
 
-    White paint has one colour. What varies slowly over a white wall is its light, and faint colours
-    of its grain are the noise of a dim photo; relief and coloured patterns stay.
+    White paint has one colour. Slow variations over a white wall are light, and faint colours in
+    its grain are the noise of a dim photo. Relief and coloured patterns are kept.
     """
 
-    slow_m: float = 0.1  #: standard deviation, metres, of the filter before a pattern is measured
-    smear_m: float = 0.03  #: of the filter that takes light, smears and lens dirt of plain paint
-    #: What stands out more from paint, in median deviations of its grain and relief, is a nail, a
-    #: hook, a crack: nothing that a tile may repeat.
+    slow_m: float = 0.1  #: sigma, metres, of the blur that is subtracted to measure a pattern
+    smear_m: float = 0.03  #: sigma, metres, of the blur that holds light, smears and lens dirt
+    #: Largest deviation of log brightness that is kept, in median deviations of the paint's grain
+    #: and relief. A larger one is a nail, a hook or a crack, which a tile must not repeat.
     relief: float = 4.5
-    noise: float = 0.06  #: fainter colours (log red or blue against green) are noise
-    brightest: float = 0.95  #: linear
+    noise: float = 0.06  #: weaker colours (log red or blue against green) are noise
+    brightest: float = 0.95  #: largest linear value of a plain tile
 
 
 _PLAIN = PlainSettings()
@@ -111,14 +111,14 @@ def paint_textures(
 ) -> None:
     """Write a textures folder whose tiles and maps have the colours of ``paint.parquet``.
 
-    The folder has the files of the first one, without maps of plain white surfaces and plain
-    carpets, whose tile has all that there is, and ``doors.json``: sRGB levels of door leaves by the
-    id of their opening; ``trim.json`` of frames and skirting where these are of wood. An accent
-    wall has its room's pattern in its own paint, walls of one panelling have one pattern. An unseen
-    white wall has no pattern of another room, unseen floors and walls of `bathrooms` (their ids)
-    are as in another one, unseen floors of those `uncarpeted` are no carpet, unseen surfaces
-    of rooms in the `open_air` are of stone and render, unseen floors of `garages` of stone.
-    `last_word` may change the folder before it takes its place.
+    The folder has the files of `textures`, without maps of plain white surfaces and plain carpets
+    (their tile shows everything). It adds ``doors.json``, sRGB levels of door leaves by the id of
+    their opening, and ``trim.json``, those of frames and skirting where these are of wood. An
+    accent wall has its room's pattern in its own paint; walls of one panelling have one pattern.
+    Surfaces that no photo shows: white walls take no pattern from another room; floors and walls of
+    `bathrooms` (room ids) are like another bathroom's; floors of the rooms `uncarpeted` are no
+    carpet; floors and walls of rooms in the `open_air` are of stone and render, floors of `garages`
+    of stone. `last_word` may change the finished folder before it is moved to `out_dir`.
     """
     root = Path(textures)
     listed = texture_index(root)
@@ -129,13 +129,13 @@ def paint_textures(
         usual = SurfaceKey(key.room_id, key.kind)
         if key != usual and usual in entries and ID_PATTERN.fullmatch(key.surface):
             tiles[key], entries[key] = tiles[usual], entries[usual] | {"observed": True}
-            if usual not in paints:  # its crops show the accent
+            if usual not in paints:  # the room's crops show the accent wall only
                 entries[usual] = entries[usual] | {"observed": False}
     unseen = {key for key, entry in entries.items() if entry.get("observed") is False}
     alike = _other_bathrooms(bathrooms, entries, paints)
     alike |= _without_carpet(uncarpeted, bathrooms, entries, paints)
     unseen -= alike.keys()
-    whites = plain_whites(paints, white_surfaces, unseen, open_air)  # by what photos show
+    whites = plain_whites(paints, white_surfaces, unseen, open_air)  # decided by what photos show
     panels = _one_panelling(entries, paints, white_surfaces, unseen - paints.keys() - whites)
     for key, other in panels.items():
         tiles[key], paints[key] = tiles[other], paints[other]
@@ -161,7 +161,7 @@ def paint_textures(
         for name, colour in door_paints(paints, white_surfaces).items()
     }
     trim = {"": as_uint8(linear_to_srgb(paints[TRIM])).tolist()} if TRIM in paints else {}
-    if trim and not doors:  # what no photo shows is as the rest of the joinery
+    if trim and not doors:  # unseen doors are like the rest of the joinery
         doors = dict(trim)
     has_maps = (root / "maps.json").is_file()
     maps = read_stage_json(root / "maps.json", "maps") if has_maps else {"surfaces": {}}
@@ -224,9 +224,9 @@ def _other_bathrooms(
     entries: Mapping[SurfaceKey, Mapping[str, Any]],
     paints: Mapping[SurfaceKey, np.ndarray],
 ) -> dict[SurfaceKey, SurfaceKey]:
-    """Return the floor or wall that each unseen one of a bathroom is like: one with crops first.
+    """Return, for each unseen floor or wall of a bathroom, one of another bathroom that is seen.
 
-    Those whose texture was taken from a bathroom stay as they are.
+    Those with crops come first. Surfaces whose texture was taken from a bathroom are left out.
     """
     wet = [key for key in sorted(entries) if key.room_id in bathrooms and key.kind != "ceiling"]
     seen = [key for key in wet if key in paints]
@@ -247,9 +247,9 @@ def _without_carpet(
     entries: Mapping[SurfaceKey, Mapping[str, Any]],
     paints: Mapping[SurfaceKey, np.ndarray],
 ) -> dict[SurfaceKey, SurfaceKey]:
-    """Return the floor that each unseen carpet of rooms `uncarpeted` is like: one with crops.
+    """Return, for each unseen carpet of rooms `uncarpeted`, a floor with crops that is no carpet.
 
-    That of another such room first, of a bathroom last; none where photos show no bare floor.
+    Floors of other such rooms come first, those of bathrooms last. Empty if there is no such floor.
     """
     floors = [key for key in sorted(entries) if key.kind == "floor"]
     bare = [
@@ -277,9 +277,9 @@ def _one_panelling(
     white: Collection[SurfaceKey],
     unseen: Collection[SurfaceKey],
 ) -> dict[SurfaceKey, SurfaceKey]:
-    """Return the wall that each other one of a :func:`panelling` is like: its crops show most.
+    """Return, for each other wall of a :func:`panelling`, the seen wall whose tile is largest.
 
-    `unseen` walls that are not white are of it, too.
+    `unseen` walls, which are not white, belong to the panelling, too.
     """
     panels = [key for key in panelling(paints, white) if key in entries]
     seen = [key for key in panels if entries[key].get("observed") is not False]
@@ -292,7 +292,7 @@ def _one_panelling(
 
 @dataclass(frozen=True)
 class _Tile:
-    """A tile (n, n, 3) uint8 sRGB, the metres that it covers, how strong its pattern is."""
+    """A tile (n, n, 3) uint8 sRGB, the metres of its side, how strong its pattern is."""
 
     image: np.ndarray
     size_m: float
@@ -309,8 +309,8 @@ def _plain_tiles(
 ) -> dict[SurfaceKey, _Tile]:
     """Return the tiles of plain white walls and ceilings.
 
-    An `unseen` one is always plain, and one whose crops show things: as the plainest other one, or
-    without any pattern where there is none.
+    Surfaces that are `unseen`, or whose crops show things, are made plain, too: unless their own
+    pattern is faint, they get the plainest tile of their kind or, without one, a single colour.
     """
     made, bare = {}, {}
     handed_on = set(unseen)
@@ -357,7 +357,7 @@ def _plain_carpets(
 def _open_air_tiles(
     tiles: Mapping[SurfaceKey, np.ndarray], entries: Mapping[SurfaceKey, Mapping[str, Any]]
 ) -> dict[SurfaceKey, _Tile]:
-    """Return tiles in the colours of `OUTDOORS`, of the grain of others where it is faint."""
+    """Return tiles in the colours of `OUTDOORS`, with the grain of `tiles` where it is faint."""
     made = {}
     for key, tile in tiles.items():
         colour, substance = OUTDOORS[key.kind]
@@ -372,7 +372,7 @@ def _open_air_tiles(
 def repainted(image: np.ndarray, gains: np.ndarray) -> np.ndarray:
     """Return a texture (h, w, 3) uint8 sRGB with its linear RGB times `gains` (3,).
 
-    Where these make it another colour, only the brightness of its pattern is kept.
+    Where the gains of the channels differ much, only the brightness of its pattern is kept.
     """
     if gains.max() > _TURNED * gains.min():
         bright = srgb_to_linear(image) @ LUMINANCE
@@ -421,7 +421,7 @@ def is_upright(image: np.ndarray, size_m: float) -> bool:
 
 
 def _slow(axes: np.ndarray, sigma: float) -> np.ndarray:
-    """Return the slow part of a tile (h, w, 3) float32, of a filter of so many pixels."""
+    """Return a periodic tile (h, w, 3) float32 blurred by a Gaussian of `sigma` pixels."""
     pad = int(np.ceil(3 * sigma))
     padded = np.pad(axes, ((pad, pad), (pad, pad), (0, 0)), mode="wrap")
     slow = cv2.GaussianBlur(padded, (0, 0), sigma)
@@ -449,10 +449,10 @@ def evidence_of(
 ) -> dict[str, Any]:
     """Return ``{photos, like, words, expected_error}`` of a surface.
 
-    ``like`` is the room that it is guessed from, the error that of :func:`expected_error`.
+    ``like`` is the room that its texture was taken from, the error that of :func:`expected_error`.
 
-    `entry` is what ``textures.json`` says of it, `photos` are those that show its colour, `rooms`
-    the ids of the house's rooms. `white`: it is so because most known surfaces of its kind are.
+    `entry` is its entry in ``textures.json``, `photos` are those that show its colour, `rooms` the
+    ids of the house's rooms. `white`: it is white because most known surfaces of its kind are.
     """
     like = _room_of_source(entry, rooms)
     seen = entry.get("observed") is not False
@@ -473,6 +473,6 @@ def evidence_of(
 
 
 def _room_of_source(entry: Mapping[str, Any], rooms: Collection[str]) -> str | None:
-    """Return the room that a texture was taken from, as its source says; None where none."""
+    """Return the room that a texture was taken from, by its source; None if there is none."""
     named = re.findall(r"\b(?:like|of) ([^\s,]+)", str(entry.get("source", "")))
     return next((name for name in named if name in rooms), None)

@@ -1,15 +1,15 @@
 """Quilting: patches of a surface's crops joined along cuts, as a tile that repeats or as a map.
 
-A tile is quilted on a torus: the best crop is laid down, then patches of all crops at the offsets
-where they fit best cover what is left. The tile is rebuilt from the gradients of its patches, which
-takes the last steps of brightness out of the joints. A map is quilted on a grid: patches are chosen
-by what every pair of them costs side by side.
+A tile is quilted on a torus: the best crop is laid down, then patches of all crops, at the offsets
+where they fit best, cover what is left. The tile is rebuilt from the gradients of its patches: this
+removes the last brightness steps from the joints. A map is quilted on a grid: patches are chosen by
+the cost of each pair side by side.
 
 All joints are minimum cuts (Kwatra et al. 2003, DOI 10.1145/882262.882264). Between regions of any
 shape a cut is a maximum flow (:func:`minimum_cut`, scipy's). Across a strip it is a cheapest path
 (:func:`cheapest_paths`; Efros and Freeman 2001, DOI 10.1145/383259.383296): a map has hundreds of
-strips of equal size, which dynamic programming cuts at once in numpy, where a maximum flow, or a
-call of ``skimage.graph`` for each strip, would take longer than all other work on the map.
+strips of equal size. Dynamic programming cuts them all at once in numpy. A maximum flow, or a call
+of ``skimage.graph`` for each strip, would take longer than all other work on the map.
 """
 
 from __future__ import annotations
@@ -28,18 +28,21 @@ from scipy.sparse.csgraph import breadth_first_order, maximum_flow
 class QuiltSettings:
     """How patches are laid and chosen. Chosen by looking at tiles and maps of development crops."""
 
-    first: float = 0.82  #: side of the first patch over the torus's, at most
-    expected: float = 0.5  #: weight of a pixel that the periods tell, over one that is there
-    rim: int = 2  #: px next to a patch's border that it never takes from what is there
-    empty_cost: float = 0.05  #: of a joint, in sums of sRGB differences, where only one side is
-    overlap: float = 0.15  #: share of a patch's area that has to lie on what is there
-    gain: float = 0.02  #: share of a patch's area, or of what is empty, that it has to fill
-    strip: int = 4  #: px across a joint when patches of a map are compared
+    first: float = 0.82  #: largest side of the first patch over the torus's
+    expected: float = 0.5  #: weight of a pixel predicted from the periods, over a laid pixel's
+    rim: int = 2  #: width, px, of a patch's border that never replaces pixels already laid
+    #: cost of a joint where only one side has pixels, as a sum of absolute sRGB differences
+    empty_cost: float = 0.05
+    overlap: float = 0.15  #: least share of a patch's area that lies on pixels already laid
+    gain: float = 0.02  #: least area that a patch fills, over its own or the empty (smaller) area
+    strip: int = 4  #: width of an overlap, px, in the shrunk patches of a map that are compared
     sweeps: int = 2  #: times that every patch of a map is chosen anew, with all neighbours known
-    worn: float = 2.0  #: cost of a place used as often as others in the mean, in fair joints
-    beside: float = 4.0  #: cost of a place that is there already nearer than `near`, in the same
-    near: int = 3  #: patches
-    feather: float = 2.0  #: px over which a map's joint blends
+    #: worn, beside: Costs of a place in the photos, in fair joints (:func:`_fair`): if it is used
+    #: as often as places are on average, and if it is used already within `near` patches.
+    worn: float = 2.0
+    beside: float = 4.0
+    near: int = 3
+    feather: float = 2.0  #: width, px, over which a map's joint is blended
 
 
 _S = QuiltSettings()
@@ -53,9 +56,9 @@ def minimum_cut(
 ) -> np.ndarray:
     """Return (h, w) bool: the pixels that the patch takes.
 
-    `cost` are two (h, w) arrays: of a joint between each pixel and its lower and its right
-    neighbour, wrapped around. `old` and `new` (h, w) bool are pixels that have to stay, and pixels
-    that have to be the patch's.
+    `cost` are two (h, w) arrays: the costs of a joint between each pixel and its lower neighbour,
+    and its right neighbour, wrapped around. `old` (h, w) bool are pixels that have to stay, `new`
+    (h, w) bool are pixels that the patch has to take.
     """
     height, width = old.shape
     free = ~(old | new)
@@ -98,7 +101,7 @@ def cheapest_paths(error: np.ndarray, *, closed: bool = False) -> tuple[np.ndarr
 
 
 def _closed_paths(error: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the cheapest path of each strip that closes on itself, the best over all starts."""
+    """Return each strip's cheapest path that closes on itself (the best over all starts)."""
     length, count, width = error.shape
     column = np.arange(width)
     paths, costs = [], []
@@ -161,7 +164,7 @@ class Canvas:
         self.size = size
         self.image = np.zeros((size, size, 3), np.float32)
         self.filled = np.zeros((size, size), bool)
-        #: Gradients from each pixel to its lower and to its right neighbour
+        #: down, right: Gradients from each pixel to its lower, and to its right neighbour
         self.down, self.right = np.zeros_like(self.image), np.zeros_like(self.image)
 
     def laid(self, source: Source, offset: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
@@ -173,7 +176,7 @@ class Canvas:
         return np.roll(image, offset, (0, 1)), np.roll(valid, offset, (0, 1))
 
     def lay(self, source: Source, offset: tuple[int, int]) -> None:
-        """Lay a patch: it covers what is empty, elsewhere the minimum cut decides."""
+        """Lay a patch: it fills empty pixels; elsewhere a minimum cut decides what it takes."""
         patch, valid = self.laid(source, offset)
         inner = cv2.erode(
             np.pad(valid, _S.rim, mode="wrap").astype(np.uint8),
@@ -208,7 +211,7 @@ class Canvas:
         self.filled |= taken
 
     def solve(self) -> np.ndarray:
-        """Return the image (s, s, 3) with the gradients and the mean of the patches."""
+        """Return the image (s, s, 3) with the patches' gradients and mean (Poisson equation)."""
         divergence = sum(g - np.roll(g, 1, axis) for g, axis in ((self.down, 0), (self.right, 1)))
         wave = 2.0 * np.cos(2.0 * np.pi * np.arange(self.size) / self.size)
         laplace = wave[:, None] + wave[None, :] - 4.0
@@ -222,8 +225,8 @@ def quilt(sources: Sequence[Source], size: int, periods: tuple[int, int] = (0, 0
     """Return a filled torus of `size` px; `sources` the best first, none larger than it.
 
     `periods` is how often the pattern repeats along x and y; 0 without a period. A patch also has
-    to fit what is there one period on, so that joints keep their distance.
-    ValueError without a source that has valid pixels.
+    to fit the pixels that were laid whole periods away, so that joints keep their distance.
+    ValueError if no source has valid pixels.
     """
     if not any(source.valid.any() for source in sources):
         raise ValueError("no source has valid pixels")
@@ -246,7 +249,7 @@ def _middle(source: Source, side: int) -> Source:
 
 
 def _anywhere(canvas: Canvas, sources: Sequence[Source]) -> tuple[int, tuple[int, int]]:
-    """Return a source and an offset that fills the first empty pixel, where nothing overlaps."""
+    """Return a source and an offset that fill the first empty pixel, for when no patch fits."""
     index = next(k for k, source in enumerate(sources) if source.valid.any())
     places = np.argwhere(~canvas.filled)[0]
     valid = np.argwhere(sources[index].valid)
@@ -272,7 +275,7 @@ def _spectra(source: Source, size: int) -> tuple[np.ndarray, np.ndarray, np.ndar
 def _best_offset(
     canvas: Canvas, spectra: Sequence[tuple[np.ndarray, ...]], periods: tuple[int, int]
 ) -> tuple[int, tuple[int, int]] | None:
-    """Return the source and its offset that fits best for the area it fills; None if none does."""
+    """Return the source and offset with the least misfit for the area filled; None if none fits."""
     known, weight = _expected(canvas, periods)
     shape = canvas.filled.shape
     f_filled = np.fft.rfft2(canvas.filled.astype(np.float64))
@@ -302,7 +305,7 @@ def _best_offset(
 
 
 def _expected(canvas: Canvas, periods: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-    """Return what lies a period further on, known or expected, (s, s, 3); its weight (s, s)."""
+    """Return the laid pixels, or predictions from whole periods away, (s, s, 3); weights (s, s)."""
     filled = canvas.filled.astype(np.float64)
     columns, rows = (max(1, count) for count in periods)
     total, times = np.zeros(canvas.image.shape), np.zeros_like(filled)
@@ -320,9 +323,9 @@ def _expected(canvas: Canvas, periods: tuple[int, int]) -> tuple[np.ndarray, np.
 
 @dataclass(frozen=True)
 class Cell:
-    """How patches lie along one axis, pixels: every `step` (any float), `overlap` wide joints.
+    """How patches lie along one axis, in pixels: one every `step`, with joints `overlap` wide.
 
-    `period` is the lattice's, NaN where there is none.
+    `step` need not be whole. `period` is the lattice's, NaN where there is none.
     """
 
     step: float
@@ -349,7 +352,7 @@ class Patches:
 
     sources: list[np.ndarray]  #: (h, w, 3) uint8 each
     places: np.ndarray  #: (n, 3) int, source, row and column of each patch's corner
-    #: (n, 3): number of each patch's plane in the photos, its middle there, px (x, y)
+    #: (n, 3): number of the photo's plane that each patch was cut from, its middle there, px (x, y)
     middles: np.ndarray
     down: Cell
     across: Cell
@@ -361,9 +364,9 @@ class Patches:
 
 
 def quilted(patches: Patches, height: int, width: int, rng: np.random.Generator) -> np.ndarray:
-    """Return a map (height, width, 3) uint8 of patches, none of it a repetition of the whole.
+    """Return a map (height, width, 3) uint8 of patches, which does not repeat.
 
-    `rng` draws the first patch, and breaks ties.
+    `rng` draws the first patch and breaks ties.
     """
     rows, columns = patches.down.count(height), patches.across.count(width)
     chosen = choose(patches, rows, columns, rng)
@@ -409,7 +412,7 @@ def choose(patches: Patches, rows: int, columns: int, rng: np.random.Generator) 
 
 
 def _alike(patches: Patches) -> np.ndarray:
-    """Return how much two patches show the same place, (n, n) float32: 1 the same, 0 apart."""
+    """Return the share of a patch's area that each other patch also shows, (n, n) float32."""
     apart = np.abs(patches.middles[:, None] - patches.middles[None])
     sides = np.array([patches.across.side, patches.down.side])
     shared = np.clip(1 - apart[..., 1:] / sides, 0, 1).prod(axis=2)
@@ -417,13 +420,13 @@ def _alike(patches: Patches) -> np.ndarray:
 
 
 def _fair(costs: np.ndarray) -> float:
-    """Return what a patch costs beside its tenth best neighbour, in the median."""
+    """Return the median cost of a patch beside a good neighbour: the one with ten better ones."""
     few = min(10, len(costs) - 1)
     return float(np.median(np.partition(costs, few, axis=1)[:, few]))
 
 
 def _costs(patches: Patches) -> tuple[np.ndarray, np.ndarray]:
-    """Return what a patch (first index) costs left of another, and above it, (n, n) float32."""
+    """Return the costs (n, n) float32 of a patch (first index) left of another, and above it."""
     down, across = patches.down, patches.across
     scale = _S.strip / min(down.overlap, across.overlap)
     shape = (
@@ -434,7 +437,7 @@ def _costs(patches: Patches) -> tuple[np.ndarray, np.ndarray]:
     small = np.stack(
         [cv2.resize(patches.pixels(n), shape, interpolation=cv2.INTER_AREA) for n in numbers]
     ).astype(np.float32)
-    # What lies one step on in a patch lies at the beginning of the next.
+    # The strip that lies one step into a patch lies under the first strip of the next patch.
     x = min(round(across.step * shape[0] / across.side), shape[0] - _S.strip)
     y = min(round(down.step * shape[1] / down.side), shape[1] - _S.strip)
     return (
@@ -466,7 +469,7 @@ def _chained(pieces: np.ndarray, axis: Cell, length: int) -> np.ndarray:
 
 
 def _joined(upper: np.ndarray, lower: np.ndarray) -> np.ndarray:
-    """Return overlaps (..., h, w, 3) uint8: above a cut along w one, below it the other."""
+    """Return overlaps (..., h, w, 3) uint8: `upper` above a cut along w, `lower` below it."""
     shape = upper.shape
     upper, lower = (part.reshape(-1, *shape[-3:]) for part in (upper, lower))
     difference = upper.astype(np.float32) - lower

@@ -1,11 +1,11 @@
 """Seam correction: make a texture tile by resynthesising its borders from its own patches.
 
-For each direction that does not tile, the image is offset by half so that its seam lies in the
-middle, a band over the seam is replaced by the band of the same texture that fits best on both
-sides, low frequencies of the misfit are spread linearly over the band, and the two joints follow
-minimum-error cuts (Efros and Freeman 2001). Along a direction that already tiles the band may be
-shifted around the torus and its cuts close on themselves, so the second repair keeps what the
-first gained. Deterministic: the same image gives the same bytes.
+For each direction that does not tile, the image is rolled by half its side, so that its seam lies
+in the middle. A band over the seam is replaced by the band of the same texture that fits best on
+both sides. Low frequencies of the misfit are spread linearly over the band, and the two joints
+follow minimum-error cuts (Efros and Freeman 2001). If the other direction already tiles, the band
+may be shifted along it and its cuts close on themselves, so the second repair does not undo the
+first. Deterministic: the same image gives the same bytes.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from plan2scene.textures.quilting import cheapest_paths
 class SeamSettings:
     """How seams are found and corrected. Chosen on the embedded procedural materials."""
 
-    #: A direction tiles already when its step across the wrap edge is up to this times the usual.
+    #: A direction already tiles if its step across the wrap edge is at most this times the usual.
     tiling_ratio: float = 1.15
-    #: Width of the resynthesised band and of each joint, shares of the side.
+    #: band, overlap: Width of the resynthesised band, and of each joint, as shares of the side.
     band: float = 0.25
     overlap: float = 0.09
-    candidates: int = 12  #: bands whose cuts are computed, the best by overlap error first
-    #: Below this mean step, grey levels, an image is flat: its noise must not look like a seam.
+    candidates: int = 12  #: number of bands, those of least overlap error, whose cuts are computed
+    #: Least usual step, grey levels: the noise of a flatter image must not look like a seam.
     flat_step: float = 0.5
 
 
@@ -45,7 +45,7 @@ def _require(image: np.ndarray) -> np.ndarray:
 
 
 def _steps(image: np.ndarray, axis: int) -> tuple[float, np.ndarray]:
-    """Return the mean absolute step across the wrap edge and those inside, (n - 1,) float."""
+    """Return the mean absolute steps across the wrap edge, and between lines inside, (n - 1,)."""
     values = np.moveaxis(image.astype(np.float64), axis, 0)
     interior = np.abs(np.diff(values, axis=0)).mean(axis=(1, 2))
     return float(np.abs(values[0] - values[-1]).mean()), interior
@@ -54,7 +54,7 @@ def _steps(image: np.ndarray, axis: int) -> tuple[float, np.ndarray]:
 def _tiles(image: np.ndarray, axis: int) -> bool:
     """Tell whether the step across the wrap edge is no larger than elsewhere or than beside it.
 
-    Beside it: where a regular pattern is steep at the border, the steps next to it are as large.
+    The steps beside it count because a regular pattern may be steep at the border.
     """
     across, interior = _steps(image, axis)
     usual = max(interior.mean(), (interior[0] + interior[-1]) / 2, _S.flat_step)
@@ -93,9 +93,9 @@ def make_seamless(image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def with_calm_border(image: np.ndarray) -> np.ndarray:
     """Return a tiling (h, w, 3) uint8 texture rolled so that its border lies where it is calm.
 
-    A roll changes no texture that repeats. It takes a pattern's joint off the border, where
-    renderers that do not filter around it, or that cut the tile, would show it. Along an axis
-    whose border is no steeper than usual nothing moves.
+    Rolling does not change a texture that repeats. It moves a pattern's joint away from the border,
+    where it would show in renderers that do not filter across the border or that cut the tile. An
+    axis whose border is no steeper than usual is not rolled.
     """
     for axis in (0, 1):
         across, interior = _steps(_require(image), axis)
@@ -137,8 +137,8 @@ def _best_bands(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return columns and row shifts of the bands of `values` that fit `target`'s overlaps best.
 
-    Squared differences for all row shifts at once by correlation along the rows' torus; only
-    shift 0 counts when the image does not tile there.
+    The squared differences of all row shifts come from one circular correlation from top to bottom;
+    only shift 0 counts if the image does not tile in that direction (not `closed`).
     """
     height, width = values.shape[:2]
     band = target.shape[1]

@@ -15,11 +15,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Tile:
-    """A surface's texture: (s, s, 3) uint8 sRGB, metres it covers, what it was made of.
+    """A surface's texture: (s, s, 3) uint8 sRGB, metres of its side, what it was made of.
 
-    `origin_m` is where a tile begins in the mesh's texture coordinates, metres; `crops` are the
-    ids of the crops that it was quilted from, `pattern` what they show. A `regular` tile repeats on
-    maps: quilted, its joints would break.
+    `origin_m` is where a tile begins in the mesh's texture coordinates, metres; `crops` are the ids
+    of the crops that it was quilted from, `pattern` the pattern found in them. On maps a `regular`
+    tile is repeated, not quilted, because quilting would break its joints.
     """
 
     image: np.ndarray
@@ -44,6 +44,6 @@ class Tile:
 
 @dataclass(frozen=True)
 class NoTile:
-    """Why a method has no tile of a surface."""
+    """The reason why a method has no tile of a surface."""
 
     reason: str

@@ -1,4 +1,4 @@
-"""The modules that the result of a rule depends on: what its script imports, at any distance.
+"""The modules that a rule's result depends on: all that its script imports, directly or not.
 
 python -m plan2scene.workflow.closures           # how many modules each rule depends on
 python -m plan2scene.workflow.closures textures  # which
@@ -11,7 +11,7 @@ from functools import cache
 
 from plan2scene.provenance import WORKFLOW, closure, code_hash, imports
 
-#: Runs the scripts and decides nothing about their results.
+#: Package that only runs the scripts; their results do not depend on it.
 _RUNNER = "plan2scene.workflow"
 _SCRIPTS = WORKFLOW / "workflow" / "scripts"
 
@@ -31,8 +31,8 @@ def _imported(rule: str) -> tuple[str, ...]:
 def rule_modules(rule: str) -> list[str]:
     """Return the names of all modules that a rule depends on.
 
-    Not those of plugins (plan formats, texture methods, exports) of other packages, whose version
-    counts.
+    Modules of other packages' plugins (plan formats, texture methods, exports) are not included;
+    for them the package's version counts.
     """
     return sorted({name for module in _imported(rule) for name in closure(module)})
 
@@ -44,7 +44,7 @@ def rule_code(rule: str) -> str:
 
 
 def _report(asked: list[str]) -> str:
-    """Return the modules of the rules that are asked for, else how many modules each has."""
+    """Return the modules of the rules in `asked`; if that is empty, the number for each rule."""
     if asked:
         return "\n".join(name for rule in asked for name in rule_modules(rule))
     return "\n".join(f"{rule:20} {len(rule_modules(rule)):4}" for rule in rules())

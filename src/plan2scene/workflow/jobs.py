@@ -1,4 +1,4 @@
-"""The frame of a workflow script: its log, and one clear line when the user's input is at fault."""
+"""What all workflow scripts share: a log, and one clear line for a fault in the user's input."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from plan2scene.errors import InputError, one_line_errors
 def job(log: str | Path) -> Iterator[logging.Logger]:
     """Log to file `log` (and warnings to stderr); an InputError becomes one line and exit code 1.
 
-    Control-C ends it without a word (130).
+    Control-C ends it without a message (exit code 130).
 
     >>> with job(snakemake.log[0]) as logger:  # doctest: +SKIP
     ...     logger.info("12 crops")

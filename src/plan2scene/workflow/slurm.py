@@ -1,8 +1,8 @@
-"""What a SLURM must tell for a run to see its jobs end.
+"""Check that Snakemake can see when jobs end on this SLURM cluster.
 
-The status of jobs is asked for by ``squeue``, which forgets a finished job after MinJobAge seconds,
-or by ``sacct``, which knows none where accounting is off. A job whose end is not seen is waited for
-for ever: better said before the first submission.
+Snakemake gets the status of jobs from ``squeue``, which forgets a finished job after MinJobAge
+seconds, or from ``sacct``, which knows no job if accounting is off. It would wait for ever for a
+job whose end it does not see, so this is checked before the first submission.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import subprocess
 
 from plan2scene.errors import InputError
 
-#: Longest pause between two looks at the jobs, and what the looks themselves may take, in seconds.
+#: Longest time between two queries of the job status, plus the time of the queries, in seconds.
 LONGEST_PAUSE = 180 + 20
 
 
@@ -23,7 +23,7 @@ def read_settings(text: str) -> dict[str, str]:
 
 
 def check_status(settings: dict[str, str], command: str) -> None:
-    """Raise InputError where `command` (squeue or sacct) would miss the end of a job."""
+    """Raise InputError if `command` (squeue or sacct) would miss the end of a job."""
     accounting = settings.get("AccountingStorageType", "").rpartition("/")[2] not in ("", "none")
     kept = re.match(r"\d+", settings.get("MinJobAge", ""))
     if command == "sacct" and not accounting:
@@ -37,7 +37,7 @@ def check_status(settings: dict[str, str], command: str) -> None:
 
 
 def check_cluster(command: str) -> None:
-    """Raise InputError where no SLURM answers, or `command` would not see the end of its jobs."""
+    """Raise InputError if no SLURM answers, or if `command` would not see the end of its jobs."""
     try:
         shown = subprocess.run(
             ["scontrol", "show", "config"], capture_output=True, text=True, timeout=60, check=False

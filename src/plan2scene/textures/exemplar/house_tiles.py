@@ -1,13 +1,14 @@
 """Exemplar textures of a whole house.
 
-Observed surfaces get a tile of their own crops; those that share a material of the house get one
-pattern of all its crops, each in its own colour. An unobserved one, and one whose crops do not have
-the colour of all of its pixels, gets the exemplar of the house that is nearest to its prediction
-(the one that the prediction copies, else of the same kind of surface and substance, nearest
-embedding), since a house repeats its materials, in its own colour. Where none of the kind has the
-predicted substance, a procedural tile of it is made up. Floors whose photos show no joints go on no
-tiled one but copies. Only the embedding of a surface with crops, none of which is good, in a house
-without an exemplar of the kind is decoded. Each tile's source says which way it was made.
+An observed surface gets a tile of its own crops. Surfaces that share a material of the house get
+one pattern of all its crops, each in its own colour. A house repeats its materials, so an
+unobserved surface, or one whose crops all differ from the colour of its pixels, takes another
+surface's exemplar in its own colour: the one that its prediction copies, else the nearest embedding
+among those of the same kind of surface and substance. If an unobserved surface finds none, a
+procedural tile of the predicted substance is made. A floor that is predicted to be tiled takes no
+exemplar of a floor whose photos show no joints, except a copied one. An embedding is decoded if the
+surface's crops are all too poor, or all of another colour in a house without an exemplar of the
+kind. Each tile's source says how it was made.
 """
 
 from __future__ import annotations
@@ -32,14 +33,14 @@ from plan2scene.textures.inputs import KnownSurface, TextureInputs
 from plan2scene.textures.seams import with_calm_border
 from plan2scene.textures.tiles import NoTile, Tile
 
-#: Substance without spots of its own.
+#: Substance that has no spots of its own.
 PLAIN = "plaster"
 
 
 def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
     """Return an exemplar of each surface, or the reason why there is none.
 
-    Where no crop of a surface has a known scale, the tile has the size of the surface's row.
+    Where no crop of a surface has a known scale, the tile has the surface's `size_m`.
     """
     surfaces = {surface.key: surface for surface in inputs.surfaces}
     tiles: dict[SurfaceKey, Tile | NoTile] = {}
@@ -63,7 +64,7 @@ def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
             )
         return tiles_of_material
 
-    materials: dict[str, list[SurfaceKey]] = {}  # what shares a pattern makes it once
+    materials: dict[str, list[SurfaceKey]] = {}  # a shared pattern is made once
     for key in groups:
         materials.setdefault(surfaces[key].material or f"alone/{key.filename}", []).append(key)
     longest_first = sorted(materials.values(), key=lambda m: -sum(len(groups[key]) for key in m))
@@ -85,7 +86,7 @@ def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
 def _shared_crops(
     surfaces: Mapping[SurfaceKey, KnownSurface], groups: Mapping[SurfaceKey, list[Crop]]
 ) -> dict[str, list[Crop]]:
-    """Return the crops of each material that surfaces share, a crop of several rooms once."""
+    """Return the crops of each shared material; a crop that shows several rooms counts once."""
     shared: dict[str, dict[str, Crop]] = {}
     for key, group in groups.items():
         if surfaces[key].material:
@@ -110,11 +111,11 @@ def exemplar_of(
     *,
     plain: bool = False,
 ) -> Tile | None:
-    """Return the exemplar of a surface's crops, recoloured to `tone` (3,) sRGB; None of poor crops.
+    """Return the exemplar of a surface's crops, recoloured to `tone` (3,); None if all are poor.
 
     A surface that shares a material takes the pattern of all crops of the material, which is made
-    once. Without a tone the exemplar keeps the crops' own colour.
-    `plain` as of :func:`~plan2scene.textures.exemplar.make.make_exemplar`.
+    once. `tone` is sRGB in [0, 1]; without it the exemplar keeps the crops' own colour.
+    `plain` as in :func:`~plan2scene.textures.exemplar.make.make_exemplar`.
     """
     made = None
     if len(shared) > len(crops) and tone is not None:
@@ -131,7 +132,7 @@ def exemplar_of(
 def _made(
     inputs: TextureInputs, crops: Sequence[Crop], tone: np.ndarray | None, *, plain: bool
 ) -> tuple[Exemplar, tuple[str, ...]] | None:
-    """Return the exemplar of crops and the names of those used; None of poor crops. Cached."""
+    """Return the exemplar of crops and the names of those used; None if all are poor. Cached."""
     size_px = inputs.settings.size_px
     names = tuple(crop.crop_id for crop in crops)
     key = (names, size_px, None if tone is None else tuple(tone), plain)
@@ -160,8 +161,8 @@ def _nearest(
 ) -> Tile | NoTile:
     """Return the nearest exemplar of the house for a surface without its own, or why there is none.
 
-    Exemplars of the predicted substance come first; an unobserved surface takes no other. A floor
-    without joints is like those without joints.
+    One whose embedding the prediction copies comes first, then those of the predicted substance; an
+    unobserved surface takes no others. A floor without joints takes that of another such floor.
     """
     kind = surface.key.surface
     pool = [key for key in own if key.surface == kind]
@@ -209,10 +210,10 @@ def colour_difference(image: np.ndarray, tone: np.ndarray) -> float:
     return float(delta_e_2000(rgb_to_lab(median_colour(image)), rgb_to_lab(tone)))
 
 
-#: The kind of each substance (``materials.KINDS``), on floors and on what is not a floor.
+#: Kind of a procedural tile by substance (``materials.KINDS``), on floors and elsewhere.
 FLOOR_KINDS = {"wood": "planks", "plaster": "concrete", "carpet": "cut", "tile": "grid"}
 OTHER_KINDS = {**FLOOR_KINDS, "plaster": "paint"}
-#: Materials of these kinds, of :data:`_SIZE_PX`, that were looked at and are quite ordinary.
+#: Seeds whose materials of these kinds, at :data:`_SIZE_PX`, were looked at and are ordinary.
 _SEEDS = {"wood": (6, 9, 14), "plaster": (0, 1, 2), "carpet": (0, 1, 2), "tile": (9, 25, 33)}
 _SIZE_PX = 256
 

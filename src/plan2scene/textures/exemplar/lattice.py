@@ -1,14 +1,14 @@
 """Direction and period of a pattern: tiles, bricks, planks; crops straightened by them.
 
 Joints and grain concentrate a crop's spectrum on two perpendicular lines, which give the angle;
-along them the normalised autocorrelation peaks at the periods. A period counts where several
-crops of the surface agree on it. Either direction may have one without the other (planks of one
-width and random lengths). Crops are then brought to one scale and orientation, so that whole
-periods fill the tile.
+along them the normalised autocorrelation peaks at the periods. A period counts if several crops of
+the surface agree on it. One direction may have a period without the other (planks of one width and
+random lengths). Crops are then brought to one scale and orientation, so that whole periods fill the
+tile.
 
 A photo's frame is known up to quarter turns, so the same floor runs along x in one crop and along
-y in the next. Planks, boards and grain vary across much more than along: that decides which crops
-are turned.
+y in the next. Planks, boards and grain vary much more across their length than along it: this tells
+which crops have to be turned.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ from plan2scene.textures.quilting import Source
 
 @dataclass(frozen=True)
 class CropLattice:
-    """A crop's pattern."""
+    """Orientation and periods of the pattern in one crop."""
 
-    angle_deg: float  #: turn of its axes from the crop's, x towards y (down), within 45 degrees
-    clear: bool  #: whether the angle stands out
-    periods: tuple[float, float]  #: along its axes, crop pixels; NaN: none, or no angle stands out
+    angle_deg: float  #: from the crop's axes to the pattern's, x towards y (down), -45 to 45
+    clear: bool  #: whether the spectrum shows the angle clearly
+    periods: tuple[float, float]  #: along its axes, crop pixels; NaN: none, or no clear angle
     peaks: tuple[float, float]  #: autocorrelation at the periods, 0 where there is none
 
 
@@ -59,7 +59,7 @@ def _lattice(values: np.ndarray, weight: np.ndarray, angle: float) -> CropLattic
     if (
         abs(angle) > 22.5 and abs(np.log(periods[0] / periods[1])) < EXEMPLAR.square
     ):  # False for NaN
-        # Square tiles laid diagonally repeat along the crop's axes, too: they stay so.
+        # Square tiles laid diagonally also repeat along the crop's axes: they stay diagonal.
         less = angle - 45.0 if angle > 0 else angle + 45.0
         others, heights = _periods(*_turned(values, weight, less))
         if max(others) < 1.6 * max(periods) and sum(heights) >= EXEMPLAR.diagonal * sum(peaks):
@@ -70,9 +70,9 @@ def _lattice(values: np.ndarray, weight: np.ndarray, angle: float) -> CropLattic
 def agreed_periods(
     lattices: list[CropLattice], sides: np.ndarray, size: int, tolerance: float
 ) -> tuple[float, float]:
-    """Return the periods in sides of the tile that most crops agree on; NaN where they do not.
+    """Return the periods, over the tile's side, that most crops agree on; NaN where they do not.
 
-    `sides` (n,) are the sides of the crops in sides of the tile, `size` is a crop's side in pixels,
+    `sides` (n,) are the crops' sides over the tile's side, `size` is a crop's side in pixels,
     `tolerance` the log ratio within which periods agree.
     """
     agreed = []
@@ -84,8 +84,8 @@ def agreed_periods(
             apart = np.abs(np.log(known[:, None] / known[None, :]))
             closeness = np.exp(-((apart / tolerance) ** 2)).sum(axis=1)
             near = known[apart[int(closeness.argmax())] < tolerance]
-            # Crops that are too small for a period have no say on it; those that are not two
-            # periods large show a joint twice by chance.
+            # Crops that are too small for a period have no vote on it. Crops smaller than two
+            # periods show a joint twice only by chance, so they have part of a vote.
             large = sides[EXEMPLAR.longest * sides > np.median(near)]
             voters = float(np.minimum(large / np.median(near) - 1.0, 1.0).sum())
             if len(near) >= max(voters, 2 if len(periods) > 2 else 1) / 2:
@@ -97,10 +97,11 @@ def agreed_periods(
 def whole_periods(
     periods: tuple[float, float], most: float = 1.35
 ) -> tuple[int, int, float, float]:
-    """Return the number of periods in the cut along x and y, and its sides in sides of the tile.
+    """Return the number of periods in the cut along x and y, and the cut's sides over the tile's.
 
-    The cut is as square and as near to the tile as whole periods allow. A direction without a
-    period has count 0 and the side of the other one.
+    The cut is the part of the pattern that the tile shows: as square and as near to the tile's size
+    as whole periods allow. A direction without a period (or with one longer than `most`) has count
+    0 and the other direction's side.
     """
     known = [p for p in periods if np.isfinite(p) and p <= most]
     if not known:
@@ -122,14 +123,14 @@ def whole_periods(
 
 
 def _band(luma: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """Return the values without their slow part, of unit variance; 0 where `weight` is 0."""
+    """Return the values minus their slow part, scaled to unit variance; 0 where `weight` is 0."""
     values = (luma - surroundings(luma, weight)) * weight
     spread = np.sqrt((values**2).sum() / max(weight.sum(), 1.0))
     return np.clip(values / max(spread, 1e-6), -4.0, 4.0)
 
 
 def _spectrum(values: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """Return the amplitudes (n, n) float32 of the windowed values, frequency 0 amid them."""
+    """Return the amplitudes (n, n) float32 of the windowed values, frequency 0 in the middle."""
     window = np.hanning(values.shape[0] + 2)[1:-1]
     spectrum = np.fft.fft2(
         values * weight * np.outer(window, window), (EXEMPLAR.spectrum_px, EXEMPLAR.spectrum_px)
@@ -138,9 +139,9 @@ def _spectrum(values: np.ndarray, weight: np.ndarray) -> np.ndarray:
 
 
 def _orientation(power: np.ndarray, least: int) -> tuple[float, bool]:
-    """Return the angle in degrees of the lines that hold the spectrum, and whether it is clear.
+    """Return the angle of the two perpendicular lines with most energy, and whether it is clear.
 
-    `least` is the smallest radius of the spectrum that counts.
+    The angle is in degrees. `least` is the smallest radius of the spectrum that counts.
     """
     angles = np.arange(-45.0, 135.0, EXEMPLAR.step_deg)
     radii = np.arange(least, EXEMPLAR.bands[1], dtype=np.float64)
@@ -161,7 +162,7 @@ def _orientation(power: np.ndarray, least: int) -> tuple[float, bool]:
 
 
 def _turned(values: np.ndarray, weight: np.ndarray, angle: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return values and weight with the pattern's axes along the image's."""
+    """Return values and weight, rotated so that the pattern's axes lie along the image's."""
     middle = (values.shape[0] - 1) / 2
     matrix = cv2.getRotationMatrix2D((middle, middle), angle, 1.0)
     size = values.shape
@@ -197,7 +198,7 @@ def _periods(
 
 
 def _along(score: np.ndarray, axis: int, width: int = 3) -> np.ndarray:
-    """Return a curve over lags 0.. along an axis (1: x), the best of `width` lags across it."""
+    """Return a curve over lags 0.. along an axis (1: x), the maximum of `width` lags across it."""
     near = np.r_[0, 1, -1][:width]
     longest = int(EXEMPLAR.longest * len(score) / 2)
     return np.asarray(np.take(score, near, axis=1 - axis).max(axis=1 - axis))[: longest + 1]
@@ -215,7 +216,7 @@ def _autocorrelation(
 ) -> np.ndarray:
     """Return the normalised autocorrelation at all lags (2 s, 2 s) of values (s, s).
 
-    `spectrum` and `overlap` are the weights' of :func:`_overlap`.
+    `spectrum` and `overlap` are what :func:`_overlap` returns for the weights.
     """
     side = values.shape[0]
     shape = (2 * side, 2 * side)
@@ -262,12 +263,12 @@ def _summit(curve: np.ndarray, lag: int) -> float:
 
 @dataclass(frozen=True)
 class Cut:
-    """What the tile holds."""
+    """The part of a surface's pattern that the tile shows."""
 
-    columns: int  #: whole periods along x; 0 without one
-    rows: int  #: along y
-    wide: float  #: width in sides of the tile asked for
-    high: float  #: height
+    columns: int  #: number of whole periods along x; 0 where x has no period
+    rows: int  #: the same along y
+    wide: float  #: width over the side of the tile that was asked for
+    high: float  #: height over the same
 
 
 def find_pattern(
@@ -276,7 +277,7 @@ def find_pattern(
     """Return the crops' lattices, the cut, and which crops show its pattern, (n,) bool.
 
     `flat` (n, s, s, 3) are crops under even light, `masks` (n, s, s) bool their spoiled pixels,
-    `sides` (n,) their sides in sides of the tile asked for. `known`: their scales are.
+    `sides` (n,) their sides over that of the tile asked for. `known`: whether all scales are known.
     """
     lattices = [find_lattice(log_luma(i), m) for i, m in zip(flat, masks, strict=True)]
     lattices = _usual_turns(lattices)
@@ -297,7 +298,7 @@ def find_pattern(
         fits[k] = all(
             not np.isfinite(period)
             or p == lattice.periods[axis]
-            # one that is not two periods large shows a joint twice by chance only
+            # a crop smaller than two periods shows a joint twice only by chance
             or (not np.isfinite(lattice.periods[axis]) and known and sides[k] < 2.0 * period)
             for axis, (p, period) in enumerate(zip(own, periods, strict=True))
         )
@@ -310,8 +311,9 @@ def find_pattern(
 def _usual_turns(lattices: list[CropLattice]) -> list[CropLattice]:
     """Return the lattices turned to the usual angle; unclear and odd angles are replaced by it.
 
-    Angles are known up to quarter turns: a lattice that is nearer after a quarter turn is turned,
-    its axes exchanged. The usual angle is 0 if few crops have a clear one.
+    Angles are known up to quarter turns. A lattice that is nearer after a quarter turn is turned,
+    and its axes are exchanged. The usual angle is 0 if fewer than half of the crops have a clear
+    one.
     """
     quarters = np.radians([4.0 * lattice.angle_deg for lattice in lattices if lattice.clear])
     usual = 0.0
@@ -334,9 +336,9 @@ def _usual_turns(lattices: list[CropLattice]) -> list[CropLattice]:
 def straightened(
     image: np.ndarray, mask: np.ndarray, side: float, lattice: CropLattice, cut: Cut, size: int
 ) -> Source:
-    """Return a crop (s, s, 3) float turned and scaled to a tile of `size` px that holds the cut.
+    """Return a crop (s, s, 3) float turned and scaled to a tile of `size` px that shows the cut.
 
-    `mask` are its spoiled pixels, `side` is its side in sides of the tile asked for.
+    `mask` are its spoiled pixels, `side` is its side over that of the tile asked for.
     """
     px = image.shape[0]
     steps = []  # crop pixels per tile pixel
@@ -381,14 +383,14 @@ def grain(luma: np.ndarray, mask: np.ndarray) -> float:
 
 
 def directed(grains: np.ndarray) -> bool:
-    """Return whether crops of grains (n,) run one way: not tiles, plaster, carpets."""
+    """Return whether most crops, given their grains (n,), have a direction, as planks do."""
     return bool((np.abs(grains) >= EXEMPLAR.clear).sum() >= EXEMPLAR.directed * len(grains))
 
 
 def quarter_turns(grains: np.ndarray) -> np.ndarray:
     """Return which crops have to be turned by 90 degrees to run as most do, (n,) bool.
 
-    None where too few crops have a direction.
+    All are False where too few crops have a direction.
     """
     clear = np.abs(grains) >= EXEMPLAR.clear
     if not directed(grains):
@@ -398,11 +400,11 @@ def quarter_turns(grains: np.ndarray) -> np.ndarray:
 
 
 def faintness(luma: np.ndarray, masks: np.ndarray, grains: np.ndarray) -> np.ndarray:
-    """Return by how much (n,) log crops' patterns are fainter than that of the better ones.
+    """Return the log ratio (n,) of the better crops' contrast to each crop's, at least 0.
 
-    0 for the quarter of the strongest contrast: glare hides the planks of the others. 0 for all
-    crops of a surface without a direction, where contrast comes from objects, not the
-    pattern. `luma` (n, s, s) log grey values, `masks` (n, s, s) as of :func:`grain`.
+    It is 0 for the quarter with the strongest contrast: glare hides the planks of the others. It is
+    0 for all crops of a surface without a direction, where contrast comes from objects, not the
+    pattern. `luma` (n, s, s) are log grey values, `masks` (n, s, s) as in :func:`grain`.
     """
     if not directed(grains):
         return np.zeros(len(grains))
@@ -412,7 +414,7 @@ def faintness(luma: np.ndarray, masks: np.ndarray, grains: np.ndarray) -> np.nda
 
 
 def pattern_band(luma: np.ndarray) -> np.ndarray:
-    """Return the scales of log grey values (s, s) between which a pattern lies."""
+    """Return log grey values (s, s), band-passed to the scales of a pattern."""
     values = luma.astype(np.float64)
     return cv2.GaussianBlur(values, (0, 0), EXEMPLAR.fine) - cv2.GaussianBlur(
         values, (0, 0), EXEMPLAR.slow
@@ -427,7 +429,7 @@ def grains_of(luma: np.ndarray, masks: np.ndarray) -> np.ndarray:
 def one_way(
     flat: np.ndarray, masks: np.ndarray, grains: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return crops (n, s, s, 3), masks (n, s, s) with planks running one way, and which turned."""
+    """Return crops (n, s, s, 3) and masks (n, s, s) that run one way, and which were turned."""
     turned = quarter_turns(grains)
     flat, masks = flat.copy(), masks.copy()
     flat[turned] = np.rot90(flat[turned], axes=(1, 2))

@@ -1,9 +1,9 @@
 """A seamless tile from the photo crops of one surface.
 
 Highlights are found and light is evened out over all crops together, their colours are brought
-to what most of them show, and a torus is quilted from them. The tile covers as many metres as
-photo pixels of the crops fill: crops are enlarged photo patches, so it is larger than a crop. A
-tile of 256 px or more covers twice as many metres with the same detail and repeats half as often.
+to what most of them show, and a torus is quilted from them. Crops are enlarged photo patches; the
+tile undoes the enlargement, so it covers more metres than a crop. A tile of more than 128 px, made
+of two crops or more, covers twice as many metres with the same detail and repeats half as often.
 """
 
 from __future__ import annotations
@@ -57,8 +57,8 @@ def alike(crops: Sequence[ExemplarCrop], tone: np.ndarray | None = None) -> list
     """Return the crops that have nearly the colour of the crop nearest to `tone` (3,), sRGB.
 
     Crops of one surface may show different things: masks err, and a room may have two paints. A
-    tile of fewer crops is better than one with a rug in its floor. Without a tone the crop most
-    like all others decides.
+    tile of fewer crops is better than one with a rug in its floor. Without a tone, crops are
+    compared with the crop that is most like all others.
     """
     labs = np.stack([rgb_to_lab(median_colour(crop.image)) for crop in crops])
     apart = delta_e_2000(labs[:, None], labs[None])
@@ -70,7 +70,7 @@ def alike(crops: Sequence[ExemplarCrop], tone: np.ndarray | None = None) -> list
 
 
 def calm(crops: Sequence[ExemplarCrop]) -> list[ExemplarCrop]:
-    """Return the crops without those that vary far more than the usual one: by a rug, by sun."""
+    """Return the crops except those that vary far more than the median crop (rugs, sun)."""
     unrests = np.array([unrest(crop.image) for crop in crops])
     restless, calm_share = EXEMPLAR.restless
     kept = (unrests < restless) | (np.median(unrests) > calm_share * unrests)
@@ -78,7 +78,7 @@ def calm(crops: Sequence[ExemplarCrop]) -> list[ExemplarCrop]:
 
 
 def blur_octaves(crops: Sequence[ExemplarCrop]) -> np.ndarray:
-    """Return by how many octaves crops have fewer photo pixels a metre than the best, (n,)."""
+    """Return how many octaves (n,) fewer photo pixels per metre each crop has than the best one."""
     detail = np.array([crop.sharpness / crop.size_m for crop in crops], dtype=np.float64)
     detail = np.where(np.isfinite(detail) & (detail > 0), detail, np.nan)
     if np.isnan(detail).all():
@@ -87,7 +87,7 @@ def blur_octaves(crops: Sequence[ExemplarCrop]) -> np.ndarray:
 
 
 def sharper(crops: Sequence[ExemplarCrop]) -> list[ExemplarCrop]:
-    """Return the crops without those that are far blurrier than the best few."""
+    """Return the crops except those that are far blurrier than the best few."""
     behind = blur_octaves(crops)
     if len(crops) <= EXEMPLAR.enough_sharp:
         return list(crops)
@@ -110,7 +110,7 @@ def enlarged(image: np.ndarray, size_px: int) -> np.ndarray:
 
 
 def toned(image: np.ndarray, tone: np.ndarray) -> np.ndarray:
-    """Return an sRGB image in [0, 1] scaled to the median colour `tone`, (3,)."""
+    """Return an sRGB image in [0, 1] scaled so that its median colour is `tone`, (3,)."""
     median = np.median(image.reshape(-1, 3), axis=0)
     return np.clip(image * (tone / np.maximum(median, 1 / 255)), 0.0, 1.0)
 
@@ -120,7 +120,7 @@ class Exemplar:
     """A tile made of crops."""
 
     image: np.ndarray  #: (s, s, 3) uint8 sRGB, repeats in both directions
-    size_m: float  #: metres that it covers; NaN when no crop knows its scale
+    size_m: float  #: metres that its side covers; NaN when no crop has a known scale
     crops: tuple[int, ...]  #: indices of the crops that it was made of
     pattern: Pattern  #: what it was quilted from
 
@@ -133,16 +133,16 @@ class Pattern:
     flat: np.ndarray  #: (n, s, s, 3) float, under even light and turned one way
     masks: np.ndarray  #: (n, s, s) bool, spoiled pixels
     turned: np.ndarray  #: (n,) bool, which crops were turned by 90 degrees (``np.rot90``)
-    colour: np.ndarray  #: (3,) float, what they agree on, sRGB in [0, 1]
-    order: list[int]  #: the crops that may take part, the best first
-    sides: np.ndarray  #: (n,) float, sides of the crops in sides of a tile of `size_m`
-    size_m: float  #: NaN when no crop knows its scale
+    colour: np.ndarray  #: (3,) float, the colour that they agree on, sRGB in [0, 1]
+    order: list[int]  #: indices of the crops that may be used, the best first
+    sides: np.ndarray  #: (n,) float, sides of the crops over the side of a tile of `size_m`
+    size_m: float  #: side of that tile, metres; NaN when no crop has a known scale
     lattices: list[CropLattice]
     cut: Cut
     work_px: int  #: side of the torus that its tile is quilted on
 
     def source(self, k: int, work: int) -> Source:
-        """Return crop `k` straightened for a tile of `work` px that holds the cut."""
+        """Return crop `k` straightened for a tile of `work` px that shows the cut."""
         crop = self.flat[k], self.masks[k], float(self.sides[k])
         return straightened(*crop, self.lattices[k], self.cut, work)
 
@@ -156,7 +156,7 @@ def find_surface(
 ) -> Pattern | None:
     """Return the pattern of the surface that `crops` show.
 
-    None when all crops are too poor. Parameters as of :func:`make_exemplar`.
+    None when all crops are too poor. Parameters as in :func:`make_exemplar`.
     """
     good = usable(crops)
     if not good:
@@ -194,10 +194,10 @@ def make_exemplar(
 ) -> Exemplar | None:
     """Return a seamless tile of the surface that `crops` show; None when all are too poor.
 
-    Crops are of any scales; those of unknown scale count as the median one. `tone` (3,) is the
-    colour that the surface is known to have, sRGB in [0, 1]: it says which crops are of it.
-    `plain`: the surface is known to have no spots of its own, as plaster: small things on it,
-    outlets and switches, are left out. Nothing is drawn: same crops and size, same bytes.
+    Crops may have any scale; those of unknown scale get the median one. `tone` (3,) is the colour
+    that the surface is known to have, sRGB in [0, 1]: it tells which crops show the surface.
+    `plain`: the surface is known to have no spots of its own (plaster), so small things on it,
+    such as outlets and switches, are left out. The same crops and size give the same bytes.
     """
     pattern = find_surface(crops, size_px=size_px, tone=tone, plain=plain)
     if pattern is None:
@@ -221,7 +221,7 @@ def _evened(crops: Sequence[ExemplarCrop]) -> tuple[np.ndarray, np.ndarray, np.n
     masks = highlights(images)
     flat = flatten(images, masks)
     tones = np.stack([np.median(i[~m], axis=0) for i, m in zip(flat, masks, strict=True)])
-    # Those that needed the least repair of their light are the best, and say how bright it is.
+    # Crops whose light needed the least repair are the best: they decide the brightness.
     repair = np.log((images.mean(axis=3) + 0.02) / (flat.mean(axis=3) + 0.02)).std(axis=(1, 2))
     tone = consensus(tones, repair)
     flat = np.clip(flat * (tone / np.maximum(tones, 1 / 255))[:, None, None, :], 0.0, 1.0)
@@ -232,8 +232,8 @@ def _evened(crops: Sequence[ExemplarCrop]) -> tuple[np.ndarray, np.ndarray, np.n
 def work_size(size_px: int, crops: int) -> int:
     """Return the side in pixels of the torus that a tile of `size_px` is quilted on.
 
-    Larger tiles are enlarged from it: crops hold no more detail. One crop alone cannot cover a
-    larger torus.
+    Larger tiles are enlarged from it, because crops hold no more detail. One crop alone cannot
+    cover a larger torus.
     """
     return 2 * EXEMPLAR.work_px if size_px > EXEMPLAR.work_px and crops >= 2 else EXEMPLAR.work_px
 
@@ -241,7 +241,7 @@ def work_size(size_px: int, crops: int) -> int:
 def tile_scale(crops: Sequence[ExemplarCrop], extent: float = 1.0) -> tuple[np.ndarray, float]:
     """Return each crop's side over the tile's, (n,) at most 1, and the tile's side in metres.
 
-    `extent`: how many times the metres that crops have pixels for it covers.
+    `extent` multiplies the metres that the crops have photo pixels for.
     """
     sides = np.array([crop.size_m for crop in crops], dtype=np.float64)
     sharp = np.array([crop.sharpness for crop in crops], dtype=np.float64)

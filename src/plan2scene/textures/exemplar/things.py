@@ -13,7 +13,7 @@ from plan2scene.textures.exemplar.settings import EXEMPLAR
 def oddness(luma: np.ndarray, masks: np.ndarray) -> np.ndarray:
     """Return how strongly (n,) crops of a plain surface show objects; 0 if nearly all crops do.
 
-    `luma` (n, s, s) log grey values, `masks` (n, s, s) bool pixels to leave out.
+    `luma` (n, s, s) are log grey values, `masks` (n, s, s) bool the pixels to leave out.
     """
     pairs = zip(luma, masks, strict=True)
     ratio = np.array([_most(_away(one, mask), mask) for one, mask in pairs])
@@ -26,7 +26,7 @@ def things(luma: np.ndarray, masks: np.ndarray) -> np.ndarray:
     """Return the pixels of objects (n, s, s) bool on crops that are plain without them.
 
     Objects are few and small. What is long, or repeats many times, is the pattern.
-    Parameters as of :func:`oddness`.
+    Parameters as in :func:`oddness`.
     """
     pixels = np.stack([_things(*pair) for pair in zip(luma, masks, strict=True)])
     return np.asarray(pixels & ~masks)
@@ -47,7 +47,7 @@ def _most(away: np.ndarray, mask: np.ndarray) -> float:
 def _things(luma: np.ndarray, mask: np.ndarray) -> np.ndarray:
     """Return the objects' pixels (s, s) bool on one crop; none if the rest is not plain.
 
-    The strongest part goes first: its halo would hide the next.
+    The strongest part is taken out first, because its halo would hide the next one.
     """
     pixels = np.zeros_like(mask)
     for _ in range(EXEMPLAR.parts):
@@ -76,13 +76,13 @@ def _strongest(away: np.ndarray) -> np.ndarray:
 
 
 def _boxes(pixels: np.ndarray) -> np.ndarray:
-    """Return left, top, width, height (n, 4) of the things that pixels (s, s) bool make up."""
+    """Return left, top, width, height (n, 4) of the connected components of pixels (s, s) bool."""
     _, _, boxes, _ = cv2.connectedComponentsWithStats(pixels.astype(np.uint8), connectivity=8)
     return np.asarray(boxes[1:, :4])
 
 
 def _boxed(pixels: np.ndarray) -> np.ndarray:
-    """Return the boxes about things (s, s) bool: a plate is fainter than what is on it."""
+    """Return things (s, s) bool grown to their boxes: a plate is fainter than the switch on it."""
     mask = np.zeros_like(pixels)
     for left, top, width, height in _boxes(pixels):
         rows = slice(max(0, top - EXEMPLAR.box_rim_px), top + height + EXEMPLAR.box_rim_px)

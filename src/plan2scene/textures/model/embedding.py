@@ -1,4 +1,4 @@
-"""Embeddings of crops: code and median colour, substance, and how much of a texture each is."""
+"""Embeddings of crops: code and median colour, substance, and how texture-like each crop is."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ from plan2scene.textures.model.texture_model import (
     noise_seeds,
 )
 
-_BATCH = 4  #: Crops at a time: few, whose responses stay in the processor's cache
-#: Side of the part of a texture that is drawn for its score: a quarter of the work, and enough
-#: because a texture is everywhere alike.
+_BATCH = 4  #: Crops at a time: so few that their responses stay in the processor's cache
+#: Rows, and columns, of a texture that are decoded for its score: a quarter of the work, and enough
+#: because a texture looks alike everywhere.
 _SCORED = slice(0, 64)
 _LEVELS = 3  #: Pyramid levels of the score, as many as that part has
 
 
 @dataclass(frozen=True, eq=False)
 class Embeddings:
-    """What the texture model says of n crops, float32."""
+    """The outputs of the texture model for n crops, float32."""
 
     codes: np.ndarray  #: (n, 11): bottleneck 8 and median R, G, B in [0, 1]; (n, 8): the code alone
     substance_probabilities: np.ndarray  #: (n, 4) in the order of SUBSTANCES; (n, 0) without a head
-    textureness: np.ndarray  #: (n,) of :func:`embed_crops`, less is better; empty when not asked
+    textureness: np.ndarray  #: (n,) score of :func:`embed_crops`, less is better; may be empty
     naive_codes: np.ndarray  #: (n, 8) of the second model; empty when there is none
 
 
@@ -53,10 +53,10 @@ def embed_crops(
 ) -> Embeddings:
     """Return the embeddings of crops (n, 128, 128, 3) uint8.
 
-    With `textureness` each crop is decoded, by the same noise of `seed`, and scored by the distance
-    between its texture statistics and those of its decoded embedding (paper section 5.3). `naive`
-    is a second model whose codes are wanted. `threads` batches are worked on at a time; the result
-    does not depend on it.
+    With `textureness` each crop's embedding is decoded, with the same noise of `seed`. Its score is
+    the distance between the texture statistics of the crop and of the decoded texture (paper
+    section 5.3). `naive` is a second model that also encodes the crops. `threads` batches are
+    processed at a time; the result does not depend on it.
     """
     models = [model] if naive is None else [model, naive]
     filters, scored = FilterBankStatistics(), FilterBankStatistics(_LEVELS)
@@ -98,7 +98,7 @@ def embed_crops(
 def _features(
     models: Sequence[TextureModel], rgb: torch.Tensor, responses: Sequence[torch.Tensor]
 ) -> torch.Tensor | None:
-    """Return what every statistics encoder makes of crops; None where no model has one."""
+    """Return the crops' features for statistics encoders; None if no model has such an encoder."""
     for model in models:
         if isinstance(model.encoder, StatisticsEncoder):
             return model.encoder.features(rgb, responses)
@@ -106,7 +106,7 @@ def _features(
 
 
 def _stack(parts: list[np.ndarray], empty: tuple[int, ...]) -> np.ndarray:
-    """Return arrays joined along the first axis; an empty one of a shape when there are none."""
+    """Return arrays joined along the first axis; an array of shape `empty` if there are none."""
     return np.concatenate(parts) if parts else np.zeros(empty, dtype=np.float32)
 
 

@@ -1,8 +1,8 @@
 """The decoder's noise: octaves of nearest and bilinear lattice noise over a transformed plane.
 
-Two lattices share one interface. :func:`plane_noise` is the reference's (a hash of the lattice
-position over the infinite plane, kept for imported checkpoints); :func:`torus_noise` repeats over
-the tile by construction, so what is decoded from it has no seam (docs/conventions.md: a tile
+Two lattices share one interface. :func:`plane_noise` is the reference's: a hash of the lattice
+position over the infinite plane, kept for imported checkpoints. :func:`torus_noise` repeats over
+the tile by construction, so a texture decoded from it has no seam (docs/conventions.md: a tile
 repeats). Positions are in [-1, 1] x [-1, 1], x right, y up; the tile is that square.
 """
 
@@ -98,8 +98,8 @@ def torus_noise(
     """
     matrices = 2.0 * octave_matrices(coefficients)  # columns: the tile's sides in lattice cells
     whole = matrices.detach().round()
-    # A small turn moves the cells of octave i by 2^i: undamped, the finest octaves' gradients are
-    # random and drown all others in the encoder.
+    # A small rotation moves the cells of octave i by 2^i. Without damping, the finest octaves'
+    # gradients would be random and hide all others in the encoder.
     damping = 0.5 ** torch.arange(OCTAVES, dtype=matrices.dtype, device=matrices.device)
     sides = whole + (matrices - matrices.detach()) * damping.view(1, OCTAVES, 1, 1)
     position = torch.einsum("noij,jhw->noihw", sides, grid / 2.0)
@@ -122,10 +122,10 @@ def torus_noise(
 
 
 def _triangular_basis(matrix: torch.Tensor) -> torch.Tensor:
-    """Return (a, b, d) stacked last: the lattice spanned by the columns is that of (a, b), (0, d).
+    """Return (a, b, d) stacked last: (a, b) and (0, d) span the same lattice as the columns.
 
-    Euclid's algorithm on the columns of (n, octaves, 2, 2) integer matrices; a, d >= 0, and 0
-    where the columns leave that direction free.
+    Euclid's algorithm on the columns of (n, octaves, 2, 2) integer matrices. a, d >= 0; they are 0
+    where the columns do not span that direction.
     """
     x1, y1 = matrix[..., 0, 0].clone(), matrix[..., 1, 0].clone()
     x2, y2 = matrix[..., 0, 1].clone(), matrix[..., 1, 1].clone()
@@ -146,13 +146,13 @@ def _hash(
 ) -> torch.Tensor:
     """Return values in [0, 1), (n, octaves, channels, h, w), of whole cells modulo the basis.
 
-    Cells and basis come as float64, which divides faster than int64 and is exact here: a quotient
-    of whole numbers is at least 1 / divisor away from the next one, more than its rounding. The
-    hash is integer arithmetic, so every platform returns the same; the channels are bit fields
-    of one 64-bit hash (splitmix64's mixing steps).
+    Cells and basis are float64, which divides faster than int64. The division is exact here: a
+    quotient that is no whole number is at least 1 / divisor away from one, more than its rounding
+    error. The hash is integer arithmetic, so every platform returns the same values. The channels
+    are bit fields of one 64-bit hash (splitmix64's mixing steps).
     """
     a, b, d = (part[..., None, None] for part in basis.unbind(-1))
-    # A direction that the columns leave free is never turned back: zero turns of it.
+    # A direction that the columns do not span does not wrap around: its number of turns is 0.
     turns = (x / torch.where(a > 0, a, torch.inf)).floor_()
     x, y = torch.addcmul(x, turns, a, value=-1), torch.addcmul(y, turns, b, value=-1)
     y.addcmul_((y / torch.where(d > 0, d, torch.inf)).floor_(), d, value=-1)

@@ -1,7 +1,7 @@
-"""Texture statistics: how alike two textures are, wherever their details lie.
+"""Texture statistics: how alike two textures are, regardless of where their details lie.
 
 A fixed multi-scale filter bank (after Ustyuzhaninov et al. 2016, who show that Gram matrices of
-fixed rectified filters carry texture), the spectrum by sector, and quantiles of the colours.
+fixed rectified filters describe texture), the spectrum by sector, and quantiles of the colours.
 Images are ``(n, 3, h, w) float32`` RGB in [0, 1].
 """
 
@@ -19,8 +19,8 @@ from plan2scene.seeds import derive_seed
 
 _FILTER_PX = 7
 _RANDOM_FILTERS = 18
-_SIZES, _ORIENTATIONS = (64, 128), 6  #: Of images, pixels, and of sectors of their spectrum
-#: Gram norms below this belong to flat textures, whose noise should not count as a pattern.
+_SIZES, _ORIENTATIONS = (64, 128), 6  #: Sides of images, px; sectors of a half circle of a spectrum
+#: Added to Gram norms: flat textures have less, and their noise should not count as a pattern.
 _FLAT = 4e-4
 #: Luminance and two opponent colours; chroma is scaled up because its contrast is lower.
 OPPONENT = [[0.299, 0.587, 0.114], [1.0, -1.0, 0.0], [-0.5, -0.5, 1.0]]
@@ -108,8 +108,8 @@ def grams_of(responses: Iterable[torch.Tensor]) -> list[torch.Tensor]:
 def moments_of(responses: Iterable[torch.Tensor]) -> torch.Tensor:
     """Return (n, levels * (k + 2 m)) moments of the responses (n, k, h, w) at each level.
 
-    The log mean square of all k filters, then skewness and log kurtosis of the m that are no
-    random mixtures: joints between tiles make both large, weave and grain neither.
+    They are the log mean square of all k filters, then skewness and log kurtosis of the m filters
+    that are not random mixtures. Joints between tiles make both large; weave and grain do not.
     """
     parts = []
     for level in responses:
@@ -123,10 +123,10 @@ def moments_of(responses: Iterable[torch.Tensor]) -> torch.Tensor:
 
 
 def gram_distance(images: Sequence[torch.Tensor], targets: Sequence[torch.Tensor]) -> torch.Tensor:
-    """Return (n,): the relative error of the Gram matrices, averaged over levels.
+    """Return the relative error of the Gram matrices, averaged over levels: (n,).
 
-    The norm of the difference over the norm of the target's, hence the square root of the
-    relative squared error: coarse levels and faint textures weigh as much as loud ones.
+    It is the norm of the difference over the norm of the target, so coarse levels and faint
+    textures have the same weight as strong ones.
     """
     total = images[0].new_zeros(len(images[0]))
     for mine, theirs in zip(images, targets, strict=True):
@@ -137,7 +137,7 @@ def gram_distance(images: Sequence[torch.Tensor], targets: Sequence[torch.Tensor
 
 def _sectors(size: int, orientations: int) -> torch.Tensor:
     """Return (sectors, size * (size // 2 + 1)) weights that average a half spectrum by sector."""
-    with torch.device("cpu"):  # which rows there are is worked out whatever the default device
+    with torch.device("cpu"):  # the data decide which rows there are: not on "meta"
         fy = torch.fft.fftfreq(size, 1 / size).view(-1, 1).expand(-1, size // 2 + 1)
         fx = torch.fft.rfftfreq(size, 1 / size).view(1, -1).expand(size, -1)
         radius = torch.hypot(fx, fy)
@@ -177,7 +177,7 @@ class SpectrumStatistics(nn.Module):
         return (luminance + 1e-5).log(), (chroma + 1e-5).log()
 
     def distance(self, images: torch.Tensor, targets: torch.Tensor) -> torch.Tensor:
-        """Return (n,): mean absolute difference of log amplitude over sectors and rings."""
+        """Return the mean absolute difference of log amplitude over sectors and rings: (n,)."""
         mine, theirs = self.log_power(images), self.log_power(targets)
         luminance = (mine[0] - theirs[0]).abs().mean(1)
         return 0.5 * luminance + 0.25 * (mine[1] - theirs[1]).abs().mean((1, 2))
@@ -186,7 +186,8 @@ class SpectrumStatistics(nn.Module):
 def colour_quantiles(rgb: torch.Tensor) -> torch.Tensor:
     """Return (n, 21) quantiles of luminance and opponent colours.
 
-    The three medians, then for each of the three the signed roots of six quantiles' distances.
+    First the three medians, then for each of the three the signed square roots of the differences
+    of six quantiles from the median.
     """
     levels = rgb.new_tensor([0.5, 0.02, 0.1, 0.25, 0.75, 0.9, 0.98])
     values = opponent(rgb).flatten(2)[:, :, ::4]

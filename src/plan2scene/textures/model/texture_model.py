@@ -1,12 +1,12 @@
 """The texture model: crop -> 11 numbers -> seamless texture (paper section 5.2, Figure 3).
 
-With ``delta_hsv`` it is the paper's Synth: the network sees and makes HSV offsets from the crop's
+With ``delta_hsv`` it is the paper's Synth: the network reads and makes HSV offsets from the crop's
 median colour, and the embedding is the bottleneck code followed by the median RGB. Without, it is
 NaiveSynth, the unmodified model of Henzler et al. (2020), whose embedding is the code alone.
 
 The encoder is the paper's ResNet-18 with instance normalisation, or one that reads the energies of
-a fixed filter bank and the spectrum instead of learned features: that learns from some thousand
-textures within minutes on a CPU, where the residual network needs orders of magnitude more steps.
+a fixed filter bank and the spectrum instead of learned features. The latter learns from about two
+thousand textures in minutes on a CPU; the residual network needs orders of magnitude more steps.
 The decoder is a small network applied to the noise at every pixel. Images are
 ``(n, 3, h, w) float32`` RGB in [0, 1].
 """
@@ -78,7 +78,7 @@ class Decoder(nn.Module):
         pixels = noise.to(dtype).flatten(2).transpose(1, 2)  # (n, h w, noise_maps)
         first = self.first_conv.layer
         weight = first.weight[:, :, 0, 0]
-        # The style is constant over the tile: its share of the first layer is a bias per texture.
+        # The style is constant over the tile, so the first layer adds it as a bias per texture.
         bias = functional.linear(style, weight[:, : self.style_dim], first.bias)
         y = pixels @ weight[:, self.style_dim :].T.to(dtype) + bias.to(dtype).unsqueeze(1)
         y = functional.relu(y, inplace=True)
@@ -117,8 +117,8 @@ class BasicBlock(nn.Module):
 class Encoder(nn.Module):
     """Crop (n, 3, h, w) -> bottleneck code (n, code_dim) and decoder controls (n, control_dim).
 
-    A stem of `width` 64 is ResNet-18 and fits the authors' checkpoints; codes of 8 and controls of
-    96 (transform coefficients and style values together) are the paper's.
+    With a stem of `width` 64 it is ResNet-18 and fits the authors' checkpoints. Codes of 8 and
+    controls of 96 (transform coefficients and style values together) are the paper's.
     """
 
     def __init__(self, width: int = 64, code_dim: int = 8, control_dim: int = 96) -> None:
@@ -151,17 +151,17 @@ class Encoder(nn.Module):
 class StatisticsEncoder(nn.Module):
     """Crop (n, 3, h, w) -> code and controls as :class:`Encoder`, through fixed statistics.
 
-    Moments of the embedded filter bank's responses at four levels, log power by sector of the
-    spectrum and the colours' distribution, standardised (buffers, set once from examples), then
-    a network of one hidden layer of `width`. The colour is seen even where the code need not tell
-    it: wood is known by it.
+    The statistics are moments of the fixed filter bank's responses at four levels, log power by
+    sector of the spectrum and the colours' distribution. They are standardised (buffers, set once
+    from examples); a network of one hidden layer of `width` follows. It reads the colour even if
+    the code need not encode it, because wood is recognised by its colour.
     """
 
     def __init__(self, width: int, code_dim: int, control_dim: int) -> None:
         super().__init__()
         self.dropout = 0.0
-        # In memory also where a network is built without ("meta"): to compute there, torch loads
-        # its compiler, which takes as long as torch itself.
+        # On the CPU even if the network is built on the device "meta": to compute there, torch
+        # would load its compiler, which takes as long as torch itself.
         with torch.device("cpu"), torch.no_grad():
             self.filters = FilterBankStatistics()
             self.spectrum = SpectrumStatistics()
@@ -179,8 +179,8 @@ class StatisticsEncoder(nn.Module):
     ) -> torch.Tensor:
         """Return the statistics (n, k) of crops (n, 3, 128, 128), RGB in [0, 1].
 
-        They are the same of all encoders of this kind; `responses` are those of `filters` to the
-        crops, where they are known.
+        They are the same for all encoders of this kind. `responses` are those of `filters` to the
+        crops, if they are already computed.
         """
         moments = moments_of(self.filters.responses(rgb) if responses is None else responses)
         luminance, chroma = self.spectrum.log_power(rgb)
@@ -194,7 +194,7 @@ class StatisticsEncoder(nn.Module):
 
     def code_of_features(self, features: torch.Tensor) -> torch.Tensor:
         """Return codes (n, code_dim) of statistics (n, k)."""
-        # Crops unlike all examples stay within what the network has seen.
+        # Clamped, so that crops unlike all examples stay in the range that the network has seen.
         x = ((features - self.centre) / self.scale).clamp(-4.0, 4.0)
         hidden = functional.dropout(functional.relu(self.hidden(x)), self.dropout, self.training)
         return self.fc_bottleneck(hidden)
@@ -213,21 +213,21 @@ _TRANSFORMS = OCTAVES * 4
 
 @dataclass(frozen=True)
 class Architecture:
-    """What a texture model's constructor needs."""
+    """The arguments of a texture model's constructor."""
 
     width: int = 64  #: channels of the residual encoder's stem (64: the paper's), or hidden units
-    code_dim: int = 8  #: of the bottleneck
+    code_dim: int = 8  #: length of the bottleneck's code
     style_dim: int = 64
-    delta_hsv: bool = True  #: colour and pattern apart, as in the paper; False is NaiveSynth
+    delta_hsv: bool = True  #: True: colour apart from pattern, as in the paper; False: NaiveSynth
     substances: int = 4  #: classes of the substance head, 0 for none
-    #: noise on a torus, which tiles; False: the reference's, and its 8-bit HSV
+    #: True: noise on a torus, so that textures tile; False: the reference's noise and 8-bit HSV
     periodic: bool = True
     #: ``resnet`` (the paper's, of delta-HSV or RGB) or ``statistics`` (of RGB)
     encoder: str = "resnet"
 
 
 class Encoding(NamedTuple):
-    """What the encoder says of crops: ``embedding (n, d)`` and ``logits (n, substances)``."""
+    """The encoder's output for crops: ``embedding (n, d)`` and ``logits (n, substances)``."""
 
     embedding: torch.Tensor
     logits: torch.Tensor | None
@@ -246,13 +246,13 @@ class TextureModel(nn.Module):
 
     @property
     def embedding_dim(self) -> int:
-        """Length of an embedding: the code, and the median colour where colour is separate."""
+        """Length of an embedding: the code, plus the median colour with ``delta_hsv``."""
         return self.architecture.code_dim + (3 if self.architecture.delta_hsv else 0)
 
     def encode(self, rgb: torch.Tensor, features: torch.Tensor | None = None) -> Encoding:
         """Return the embeddings and substance logits of crops (n, 3, h, w).
 
-        `features` are what a statistics encoder makes of the crops, where that is known.
+        `features` are a statistics encoder's features of the crops, if already computed.
         """
         if isinstance(self.encoder, StatisticsEncoder):
             median = hsv_space.median_colour(rgb) if self.architecture.delta_hsv else None
@@ -266,13 +266,13 @@ class TextureModel(nn.Module):
         return self.embed(self.encoder.code(2.0 * rgb - 1.0), None)
 
     def encode_hsv(self, hsv: torch.Tensor) -> Encoding:
-        """As :meth:`encode`, from HSV (the reference's own input, which has 8 bits)."""
+        """Return what :meth:`encode` does, from HSV (the reference's input, which has 8 bits)."""
         median = hsv_space.median_colour(hsv_space.hsv_to_rgb(hsv))
         centre = hsv_space.rgb_to_hsv(median[:, :, None, None])
         return self.embed(self.encoder.code(hsv_space.wrap_hue(hsv - centre)), median)
 
     def embed(self, code: torch.Tensor, median: torch.Tensor | None) -> Encoding:
-        """Return the encoding of codes (n, code_dim) and median colours (n, 3), where separate."""
+        """Return the encoding of codes (n, code_dim) and of median colours (n, 3) or None."""
         logits = self.substance_layer(code) if self.architecture.substances else None
         return Encoding(code if median is None else torch.cat([code, median], dim=1), logits)
 
@@ -286,8 +286,8 @@ class TextureModel(nn.Module):
         """Return textures (n, 3, size, size), RGB in [0, 1], of embeddings (n, d) float32.
 
         `seeds` (n, 8, 3) float32 are uniform in [0, 1), one per octave of noise and colour channel.
-        More pixels draw the same tile more finely. `window` are rows and columns to draw; None:
-        all.
+        A larger size draws the same tile more finely. `window` is the rows and the columns to draw;
+        None: all.
         """
         code = embedding[:, : self.architecture.code_dim]
         controls = self.encoder.controls(code)
@@ -317,9 +317,10 @@ def _make_encoder(architecture: Architecture) -> Encoder | StatisticsEncoder:
 
 @contextmanager
 def fast_decoding(model: TextureModel) -> Iterator[None]:
-    """Decode in bfloat16 within, where that is fast: tiles differ by one level here and there.
+    """Decode in bfloat16 within this context, if that is fast: a few pixels differ by one level.
 
-    The reference's networks (whose noise does not repeat) return what they return there: float32.
+    Networks with the reference's noise, which does not repeat, still decode in float32, so that
+    they return what they return in the reference.
     """
     before = model.decoder.low_precision
     model.decoder.low_precision = model.architecture.periodic and low_precision_is_fast()
@@ -341,12 +342,12 @@ def load_texture_model(path: str | Path) -> TextureModel:
     return filled(lambda: TextureModel(Architecture(**architecture)), state, name, path)
 
 
-#: Textures decoded at once hold about this many pixels (bounds memory at any size).
+#: Largest number of pixels, about, that are decoded at once (bounds memory at any size).
 _PIXELS = 4 * 128 * 128
 
 
 def noise_seeds(seeds: Sequence[int]) -> torch.Tensor:
-    """Return noise seeds (n, 8, 3) float32 in [0, 1) for integer seeds, each on its own."""
+    """Return noise seeds (n, 8, 3) float32 in [0, 1), each from its own integer seed."""
     draws = [np.random.default_rng(s).random((OCTAVES, CHANNELS), dtype=np.float32) for s in seeds]
     return torch.from_numpy(np.stack(draws))
 
@@ -357,8 +358,8 @@ def decode_textures(
     """Return tiles (n, size, size, 3) uint8 sRGB of embeddings (n, d); same seed, same tile.
 
     Colours are clamped to [0, 1]; each seed decides the noise of one tile. A larger size draws the
-    same tile with more pixels. Processors without fast bfloat16 multiply in float32: their tiles
-    differ by a level here and there (docs/conventions.md: same seed, same bytes).
+    same tile with more pixels. Processors without fast bfloat16 multiply in float32: a few pixels
+    of their tiles differ by one level (docs/conventions.md: same seed, same bytes).
     """
     if codes.ndim != 2 or codes.shape[1] != model.embedding_dim or len(codes) != len(seeds):
         raise ValueError(
