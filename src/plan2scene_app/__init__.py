@@ -1,1 +1,1 @@
-"""What people touch: command line, run, studio, editor, viewer, tracing, plan formats, exports."""
+"""The application: command line, run, studio, editor, viewer, tracing, plan formats, exports."""

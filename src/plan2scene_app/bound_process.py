@@ -1,8 +1,9 @@
-"""A command that ends with the process that started it, however that ends.
+"""Run a command that ends when the process that started it ends, even if that one is killed.
 
 ``python -m plan2scene_app.bound_process COMMAND...`` runs the command until it is done, or until
-standard input closes: who started it holds the other end of that pipe, which the system closes with
-it. Then the whole process group gets SIGINT and, after some seconds, SIGKILL.
+standard input closes. Standard input is a pipe: the starting process holds its other end, and the
+system closes that end when the process ends. Then the whole process group gets SIGINT and, after
+some seconds, SIGKILL.
 """
 
 from __future__ import annotations
@@ -22,17 +23,17 @@ from plan2scene.errors import WorkflowError
 _SIGNALS = [
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
 ]
-#: Seconds that a command has to end by itself.
+#: Seconds from SIGINT to SIGKILL, in which a command can end by itself.
 _GRACE = 3.0
 
 
 def run_bound(
     command: Sequence[str], *, pass_fds: Sequence[int] = (), stderr: int | None = None
 ) -> int:
-    """Return the exit code of a command that ends with this process.
+    """Run a command that ends when this process ends; return its exit code.
 
-    A signal that asks this process to end becomes a WorkflowError when the command has ended.
-    `stderr` is that of :class:`subprocess.Popen`.
+    If a signal asks this process to end, the command is ended first; then WorkflowError is raised.
+    `stderr` is passed to :class:`subprocess.Popen`.
     """
     bound = [sys.executable, "-m", "plan2scene_app.bound_process", *command]
     reading, writing = os.pipe()
@@ -48,7 +49,7 @@ def run_bound(
         finally:
             os.close(writing)
             code = process.wait()
-    if code < 0:  # it was killed, which its command need not notice
+    if code < 0:  # the wrapper was killed, so its command may still run
         with suppress(ProcessLookupError, PermissionError):
             os.killpg(process.pid, signal.SIGKILL)
     return code
@@ -56,7 +57,7 @@ def run_bound(
 
 @contextmanager
 def _signals_as_errors() -> Iterator[None]:
-    """Raise WorkflowError for the first signal that asks to end; further ones change nothing."""
+    """Raise WorkflowError at the first signal that asks to end; later signals are ignored."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -77,7 +78,7 @@ def _signals_as_errors() -> Iterator[None]:
 
 
 def _end_with_input(child: subprocess.Popen[bytes]) -> None:
-    """Wait until standard input closes, then end the whole group, this process last."""
+    """Wait until standard input closes, then end the whole process group."""
     while os.read(0, 1):
         pass
     os.killpg(0, signal.SIGINT)
@@ -87,8 +88,8 @@ def _end_with_input(child: subprocess.Popen[bytes]) -> None:
 
 
 def main() -> int:
-    """Run the command line's command; return its exit code."""
-    for number in _SIGNALS:  # they are the command's; a handler, unlike SIG_IGN, is not inherited
+    """Run the command in `sys.argv`; return its exit code."""
+    for number in _SIGNALS:  # left to the command: a handler, unlike SIG_IGN, is not inherited
         signal.signal(number, lambda *_: None)
     child = subprocess.Popen(sys.argv[1:], stdin=subprocess.DEVNULL, close_fds=False)
     threading.Thread(target=_end_with_input, args=(child,), daemon=True).start()

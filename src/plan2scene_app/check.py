@@ -1,6 +1,6 @@
-"""What would go wrong with a data set or a plan, before anything runs.
+"""Find the problems of a data set or a plan before anything runs.
 
-Of a Rent3D++ copy as unpacked, what it lacks as a whole comes first.
+For an unpacked copy of Rent3D++, parts that are missing as a whole are reported first.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ from plan2scene.plans.validate import house_faults, name_oddities, validate_hous
 if TYPE_CHECKING:
     from PIL import Image
 
-#: Fractions that the paper's table needs.
+#: Drop fractions that the paper's table needs.
 _TABLE_FRACTIONS = ("0.0", "0.6")
-#: Splits whose object boxes the authors hand out.
+#: Splits for which the authors distribute object boxes.
 _BOXED_SPLITS = ("test",)
 
 
 def missing_parts(layout: Layout, houses: Sequence[TableRow]) -> Iterator[str]:
-    """Yield a line for each part that a copy of Rent3D++ has and this one lacks.
+    """Yield a line for each part of Rent3D++ that this copy lacks.
 
     `houses` are the rows of its house table.
     """
@@ -58,14 +58,14 @@ def missing_parts(layout: Layout, houses: Sequence[TableRow]) -> Iterator[str]:
 
 
 def _lacking(expected: str, names: Sequence[str], folder: Path) -> Iterator[str]:
-    """Yield the line of a folder that lacks the files of `names`, if there are any."""
+    """Yield one line that says how many files `folder` lacks; none if `names` is empty."""
     if names:
         found = f"{len(names)} lacking, the first {names[0]}"
         yield str(InputError(expected, found, file=folder))
 
 
 def _fractions(layout: Layout) -> Iterator[str]:
-    """Yield what the list of photos to hide lacks."""
+    """Yield a line for each drop fraction that is missing in the list of photos to hide."""
     if not layout.unobserved.is_file():
         expected = "the photos to hide at each drop fraction (they are drawn by the seed instead)"
         yield str(InputError(expected, "no such file", file=layout.unobserved))
@@ -73,7 +73,7 @@ def _fractions(layout: Layout) -> Iterator[str]:
     try:
         known = read_unobserved(layout.unobserved)
     except InputError:
-        return  # the caller's check of that file tells it
+        return  # :func:`_check_unobserved` reports this error
     for fraction in _TABLE_FRACTIONS:
         if fraction not in known:
             found = ", ".join(sorted(known)) or "none"
@@ -82,7 +82,7 @@ def _fractions(layout: Layout) -> Iterator[str]:
 
 
 def _crops(layout: Layout, houses: Sequence[TableRow]) -> Iterator[str]:
-    """Yield what ready crops lack: the folder, surfaces, photos that none is of."""
+    """Yield what is missing of the ready-made crops: the folder, kinds of surface, photos."""
     folder = layout.processed / "surface_crops"
     if layout.surface_crops is None:
         expected = "ready crops (without them crops are sampled from the photos)"
@@ -99,7 +99,7 @@ def _crops(layout: Layout, houses: Sequence[TableRow]) -> Iterator[str]:
     yield from _lacking(f"crops of {len(photos)} photos", lacking, folder)
 
 
-#: A JPEG's end marker is looked for in this many last bytes (some cameras append data).
+#: Number of last bytes in which a JPEG's end marker is searched (some cameras append data).
 _JPEG_TAIL = 65_536
 
 
@@ -124,9 +124,9 @@ def check_plan(
     metres_per_pixel: float | None = None,
     dxf_layers: Mapping[str, str] | None = None,
 ) -> tuple[House | None, list[Problem]]:
-    """Return the house of a plan (None when it has a fault) and every problem found.
+    """Return the house of a plan (None if it has an error) and every problem found.
 
-    Of a plan that is a picture there is no house before it is traced.
+    A plan that is a picture gives None and a warning: it has no house before it is traced.
     """
     plan = PlanFile(Path(path), house_id)
     try:
@@ -158,8 +158,8 @@ def check_dataset(
 ) -> list[Problem]:
     """Return the problems of a data set (docs/conventions.md): table, plans, assignments, photos.
 
-    Without a house table one is worked out from the data lists (nothing is written to `root`).
-    Of a Rent3D++ copy as unpacked, parts that are missing as a whole come first.
+    If the house table is missing, its rows are derived from the data lists (nothing is written to
+    `root`). For an unpacked copy of Rent3D++, parts that are missing as a whole come first.
     """
     layout = find_layout(root)
     problems: list[Problem] = []
@@ -168,7 +168,7 @@ def check_dataset(
             houses = read_table(layout.data / table)
         else:
             houses = table_of_lists(root)
-            # What a copy as unpacked never has is no fault of it.
+            # An unpacked copy of Rent3D++ never has the table: do not mention that it is missing.
             note = "" if layout.is_rent3dpp else f"no {table}; "
             problems += _warnings(note + line for line in houses.warnings)
     except InputError as error:
@@ -196,9 +196,9 @@ def _check_house(
     plan: tuple[House | None, list[Problem]],
     checked: set[str],
 ) -> Iterator[Problem]:
-    """Yield the problems of one house, beginning with its plan's.
+    """Yield the problems of one house, beginning with those of its plan.
 
-    Photos in `checked` were opened for another house.
+    Photos in `checked` were opened before and are not opened again; new ones are added to it.
     """
     house_id, names = row.house, set(row.photos)
     house, problems = plan
@@ -230,7 +230,7 @@ def _check_house(
         try:
             photo_problem(path, house_id=house_id)
         except InputError as error:
-            # The masks stage leaves the photo out and the house goes on.
+            # Only a warning: the masks stage leaves the photo out, and the house is still made.
             yield Problem("warning", str(error))
 
 
@@ -250,10 +250,10 @@ def _check_unobserved(path: Path, known: set[str]) -> Iterator[Problem]:
 
 
 def photo_problem(path: str | Path, *, house_id: str = "") -> None:
-    """Raise InputError for a photo that won't open: no image, too large, cut short.
+    """Raise InputError for a photo that cannot be opened: not an image, too large or cut short.
 
-    Only the header is decoded; of a JPEG the end marker is looked for, a PNG's checksums are
-    verified. Damage inside the picture of a JPEG shows only when a stage decodes it.
+    Only the header is decoded. A JPEG must have its end marker; a PNG's checksums are verified.
+    Damage inside a JPEG is found only when a stage decodes it.
     """
     kind = decode_image(path, _verified_format, house_id=house_id, max_pixels=MAX_PHOTO_PIXELS)
     if kind == "JPEG":
@@ -265,9 +265,9 @@ def photo_problem(path: str | Path, *, house_id: str = "") -> None:
 
 
 def _verified_format(image: Image.Image) -> str:
-    """Return the format's name of an opened image, after a look at a PNG's checksums.
+    """Return the name of an opened image's format, after verifying the checksums of a PNG.
 
-    ValueError for one so large that it would have to be reduced, of a mode that is not.
+    ValueError for an image that is so large that it must be reduced, but whose mode prevents that.
     """
     if image.width * image.height > MAX_PIXELS:
         check_reducible(image)

@@ -1,4 +1,4 @@
-"""What pictures for people share: colours and the font of their text. Pillow is imported late."""
+"""Colours and fonts that all pictures for people share. Pillow is imported late."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ PAPER, INK = (250, 250, 250), (25, 25, 25)
 
 
 def font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-    """Return Pillow's own font at a size in pixels."""
+    """Return Pillow's default font at a size in pixels."""
     from PIL import ImageFont
 
     return ImageFont.load_default(size=size)
 
 
 def wide_font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-    """Return the font that matplotlib ships: letters of more scripts, a superscript 2."""
+    """Return the font that matplotlib ships: it has more scripts and a superscript 2."""
     from PIL import ImageFont
 
     package = find_spec("matplotlib")
@@ -34,12 +34,12 @@ def wide_font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
 
 
 def font_for(text: str, size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-    """Return Pillow's own font, and the wide one for a text that it lacks letters of."""
+    """Return Pillow's default font for an ASCII text, else the wide font."""
     return font(size) if text.isascii() else wide_font(size)
 
 
 def legible(text: str, otherwise: str) -> str:
-    """Return a text if the wide font has all of its letters, else `otherwise`."""
+    """Return a text if the wide font has all its letters, else `otherwise`."""
     if text.isascii():
         return text
     wide = wide_font(16)
@@ -48,5 +48,5 @@ def legible(text: str, otherwise: str) -> str:
 
 
 def room_labels(house: House) -> dict[str, str]:
-    """Return what pictures call each room, by id: its label, or the id where letters lack."""
+    """Return the label of each room by id; the id instead if the font lacks a letter of it."""
     return {room: legible(label, room) for room, label in house.labels.items()}

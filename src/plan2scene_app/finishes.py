@@ -1,12 +1,12 @@
-"""Finishes: how an owner sets surfaces and doors by hand, whatever photos show.
+"""Finishes: materials and colours that an owner sets by hand; they override what photos show.
 
-They stand in ``{plan}.finishes.csv`` beside the plan, with the columns room, surface and what:
+They are read from ``{plan}.finishes.csv`` beside the plan, with the columns room, surface, what:
 
-- room: an id of the plan, or ``*`` for all; of a door the id of its opening.
-- surface: floor, wall, ceiling, ``wall.{id}`` of an accent wall, door, or trim (skirting, frames
-  of doors and windows, linings). Doors and trim take white and colours only.
-- what: ``white``; a colour ``#c8a472``; a name of :data:`LIBRARY`; ``same:{room}``;
-  ``photo:{name}``, the crops of that photo.
+- room: the id of a room, or ``*`` for all rooms; for a door, the id of its opening.
+- surface: floor, wall, ceiling, ``wall.{id}`` for one accent wall, door, or trim (skirting, frames
+  of doors and windows, linings). Doors and trim may only be white or of one colour.
+- what: ``white``; a colour such as ``#c8a472``; a name in :data:`LIBRARY`; ``same:{room}`` for
+  the texture of that room; ``photo:{name}`` for a texture made from the crops of that photo.
 """
 
 from __future__ import annotations
@@ -21,16 +21,17 @@ from plan2scene.errors import InputError
 from plan2scene.house import SurfaceKey
 from plan2scene.io import read_text
 
-#: What the source of a texture that is set by hand begins with.
+#: Prefix of the `source` of a texture that is set by hand.
 BY_HAND = "set by hand: "
 COLUMNS = ["room", "surface", "what"]
 SURFACES = ("floor", "wall", "ceiling", "door", "trim")
-#: Those without a texture.
+#: Surfaces that have a colour but no texture.
 _PLAIN = ("door", "trim")
 _COLOUR = re.compile(r"#[0-9a-fA-F]{6}")
-#: Most bytes of the table: a house has at most some hundreds of surfaces.
+#: Largest size of the table in bytes: a house has at most some hundreds of surfaces.
 _MOST = 1_000_000
-#: The shipped materials: substance, kind and main colour (sRGB) of a procedural one.
+#: The materials that the owner can choose by name: substance, kind and main colour (sRGB) of each
+#: procedural material.
 LIBRARY: Mapping[str, tuple[str, str, str]] = {
     "oak planks": ("wood", "planks", "#c8a472"),
     "pale ash planks": ("wood", "planks", "#d8bd94"),
@@ -48,12 +49,12 @@ LIBRARY: Mapping[str, tuple[str, str, str]] = {
 
 
 def finishes_file(plan: str | Path) -> Path:
-    """Return where the finishes of a plan stand: ``home.finishes.csv`` beside ``home.json``."""
+    """Return the path of a plan's finishes: ``home.finishes.csv`` beside ``home.json``."""
     return Path(plan).with_name(f"{Path(plan).name.split('.')[0]}.finishes.csv")
 
 
 def read_finishes(path: str | Path) -> dict[SurfaceKey, str]:
-    """Return what is set by hand, by room and surface; InputError for a row of another form."""
+    """Return the finishes by room and surface; InputError for a row that is not valid."""
     if Path(path).stat().st_size > _MOST:
         raise InputError(f"at most {_MOST} bytes", "more", file=path)
     rows = [row for row in csv.reader(io.StringIO(read_text(path))) if any(row)]
@@ -70,7 +71,7 @@ def read_finishes(path: str | Path) -> dict[SurfaceKey, str]:
 
 
 def check_finish(room: str, surface: str, what: str, *, file: object = "") -> None:
-    """Raise InputError for a row that no house can follow."""
+    """Raise InputError for an unknown surface, or for a finish that this surface cannot have."""
     kind = surface.partition(".")[0]
     if kind not in SURFACES or not room:
         expected = f"a room and a surface of {', '.join(SURFACES)}"
@@ -83,7 +84,7 @@ def check_finish(room: str, surface: str, what: str, *, file: object = "") -> No
 
 
 def finishes_text(finishes: Mapping[SurfaceKey, str]) -> str:
-    """Return the table as its file holds it."""
+    """Return the finishes as the text of their CSV file."""
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")
     writer.writerow(COLUMNS)

@@ -1,4 +1,4 @@
-"""Offline HTML pages: the head that all share, and what stands in a page safely."""
+"""Offline HTML pages: the head that all share, and safe embedding of data and scripts."""
 
 from __future__ import annotations
 
@@ -25,21 +25,21 @@ $body</html>
 def html_page(
     body: Path, *, title: str, style: str, policy: str | None = None, maker: str = "", **values: str
 ) -> str:
-    """Return a page.
+    """Return the text of a whole HTML page.
 
     Parameters
     ----------
     body : path
-        A template (:class:`string.Template`) of the element ``body``, filled with `values`, which
-        are HTML, and ``title``.
+        A template (:class:`string.Template`) of the element ``body``. It is filled with ``title``
+        and with `values`, which are HTML and not escaped.
     title : str
         Text; it is escaped.
     style : str
         The style sheet.
     policy : str, optional
-        Content policy of a page that no server sends with one.
+        Content security policy, for a page that is not served with such a header.
     maker : str
-        Name of the command that made it, by which a file is known again as a page of that kind.
+        Name of the command that made the page. A command overwrites only files with its own name.
     """
     meta = ""
     if policy is not None:
@@ -52,12 +52,12 @@ def html_page(
 
 
 def inline_json(value: object) -> str:
-    """Return JSON that can't end the script element it stands in."""
+    """Return JSON that can't end the script element in which it is embedded."""
     text = json.dumps(value, separators=(",", ":"))
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
 
 
 def source_hash(text: str) -> str:
-    """Return the source expression of a content policy that allows this text alone."""
+    """Return the source expression with which a content policy allows exactly this text."""
     digest = hashlib.sha256(text.encode("utf-8")).digest()
     return f"'sha256-{base64.b64encode(digest).decode('ascii')}'"

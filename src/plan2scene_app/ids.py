@@ -1,4 +1,4 @@
-"""Ids made of the names that people give."""
+"""Make ids from the names that people give to houses and rooms."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from plan2scene.plans.room_names import WRITTEN
 
 
 def fit_id(name: str, otherwise: str) -> str:
-    """Return a name as an id: letters without their accents; `otherwise` for another script."""
+    """Return an id made from a name, without accents; `otherwise` for a name in another script."""
     plain = unicodedata.normalize("NFKD", name.translate(WRITTEN))
     plain = plain.encode("ascii", "ignore").decode()
     made = re.sub(r"[^A-Za-z0-9_.-]+", "_", plain).lstrip("._-").rstrip("_")[:60]
@@ -18,7 +18,7 @@ def fit_id(name: str, otherwise: str) -> str:
 
 
 def free_id(name: str, taken: set[str], otherwise: str = "room") -> str:
-    """Return an id made of a name that is not taken yet, and take it: lower case, numbered."""
+    """Return a lower-case id made from a name and add it to `taken`; number it if it is taken."""
     stem = re.sub(r"[^a-z0-9]+", "_", fit_id(name, otherwise).lower()).strip("_")[:40] or otherwise
     name_id, number = stem, 1
     while name_id in taken:

@@ -1,4 +1,4 @@
-"""The folder that ``plan2scene run`` delivers into: one run at a time, no file of the user lost."""
+"""The output folder of ``plan2scene run``: one run at a time, and no user's file is overwritten."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ from plan2scene.io import atomic_directory, atomic_path, read_json, write_json
 _LOG = logging.getLogger("plan2scene")
 #: Folder below the results where the workflow runs.
 WORK = "work"
-#: In the work folder: what runs delivered, so that everything else is the user's.
+#: File in the work folder that lists what runs delivered; all other files are the user's.
 _RECORD = "delivered.json"
-#: In the work folder: held while a run works there; the system frees it when the run is gone.
+#: Lock file in the work folder, held during a run; the system frees it when the run has ended.
 _LOCK = "lock"
-#: Seconds that what is left of a killed run has to end.
+#: Seconds to wait until the remaining processes of a killed run have ended.
 _PATIENCE = 15.0
-#: Names that Snakemake leaves in folders it makes.
+#: Names of files that Snakemake leaves in the folders it makes.
 _BYPRODUCTS = (".snakemake_timestamp", ".tmp_*")
 
 
 @dataclass(frozen=True)
 class OutFolder:
-    """A folder that this run alone delivers into.
+    """An output folder that is locked for this run.
 
-    `lock` is a file descriptor, -1 where the system has no locks: a child that inherits it keeps
-    the folder locked as long as it lives.
+    `lock` is the file descriptor of the lock, -1 on a system without locks. A child process that
+    inherits it keeps the folder locked as long as it lives.
     """
 
     path: Path
@@ -48,9 +48,9 @@ class OutFolder:
         return self.path / WORK
 
     def deliver(self, files: Mapping[str, Path]) -> dict[str, Path]:
-        """Copy files and folders to these names, each at once; return where they are.
+        """Copy files and folders to these names, each atomically; return their paths.
 
-        A file that is there already keeps its time.
+        A file that is already there with the same content is not written, so its time stays.
         """
         made = {name: self.path / name for name in files}
         names = set(_delivered(self.work)) | set(files)
@@ -71,25 +71,25 @@ class OutFolder:
 
 @contextmanager
 def claimed_folder(path: Path, names: Sequence[str], inputs: Sequence[Path]) -> Iterator[OutFolder]:
-    """Yield the folder, made where it is not there, locked until the block ends.
+    """Yield the output folder, locked until the block ends; make it if it does not exist.
 
-    A lock of Snakemake's own that a killed run left in the work folder is removed: with this lock
-    held, no other run uses it.
+    If a killed run left Snakemake's own lock in the work folder, it is removed. This is safe
+    because no other run can use the folder while this lock is held.
 
     Parameters
     ----------
     path : path
-        Where results go.
+        The output folder.
     names : sequence of str
-        What will be delivered.
+        Names of the files and folders that will be delivered.
     inputs : sequence of path
         Files and folders that the run reads.
 
     Raises
     ------
     InputError
-        Where `path` is a file, another run works in it, or what stands at a name is an input, or
-        was not delivered by a run.
+        If `path` is a file, another run works in it, or a file at one of the names is an input or
+        was not delivered by an earlier run.
     """
     if path.exists() and not path.is_dir():
         raise InputError("a folder for the results", "a file", file=path)
@@ -105,7 +105,7 @@ def claimed_folder(path: Path, names: Sequence[str], inputs: Sequence[Path]) -> 
 
 
 def _delivered(work: Path) -> list[str]:
-    """Return what earlier runs delivered."""
+    """Return the names of the files that earlier runs delivered."""
     record = work / _RECORD
     content = read_json(record) if record.is_file() else {}
     names = content.get("files") if isinstance(content, dict) else None
@@ -115,7 +115,7 @@ def _delivered(work: Path) -> list[str]:
 
 
 def _refuse_users_files(path: Path, names: Sequence[str], inputs: Sequence[Path]) -> None:
-    """Raise InputError where a delivery would overwrite what is not an earlier run's."""
+    """Raise InputError if a delivery would overwrite a file that no earlier run delivered."""
     work = path / WORK
     if os.path.lexists(work) and not (work / _LOCK).is_file() and (work.is_file() or _full(work)):
         raise InputError("no folder 'work' but an earlier run's", "another", file=work)
@@ -145,7 +145,7 @@ def _own_name() -> bytes:
 
 
 def _holder_is_gone(handle: int) -> bool:
-    """Return whether the process that a lock file names has ended, on this machine."""
+    """Return whether the process named in a lock file ran on this machine and has ended."""
     host, _, number = os.pread(handle, 300, 0).decode(errors="replace").rpartition(" ")
     if host != socket.gethostname() or not number.strip().isdecimal():
         return False
@@ -159,7 +159,10 @@ def _holder_is_gone(handle: int) -> bool:
 
 
 def _wait_for(lock: Callable[[], None], handle: int, path: Path) -> None:
-    """Lock an open file; InputError where another run has it."""
+    """Lock an open file; InputError if another run holds it.
+
+    If the named holder has ended, wait up to `_PATIENCE` for the processes that it left.
+    """
     deadline = time.monotonic() + _PATIENCE
     told = False
     while True:
@@ -179,13 +182,13 @@ def _wait_for(lock: Callable[[], None], handle: int, path: Path) -> None:
 
 @contextmanager
 def _locked(file: Path, path: Path) -> Iterator[int]:
-    """Hold a lock file while the block runs; InputError where another process holds it.
+    """Hold a lock file while the block runs; InputError if another process holds it.
 
-    The file names the process that holds it. Where that is gone, what it started is about to end,
-    which is waited for.
+    The process writes its host and number into the file.
 
-    Not by `filelock`, whose release unlocks the file for the children that inherited it, too: the
-    folder must stay taken until Snakemake is gone, even when this process was killed.
+    The package `filelock` is not used: its release also unlocks the file for the children that
+    inherited the lock. The folder must stay locked until Snakemake has ended, even if this process
+    was killed.
     """
     try:
         import fcntl

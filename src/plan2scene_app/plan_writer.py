@@ -1,4 +1,4 @@
-"""A house as a document of ``plan.schema.json``: what the editor opens and tracing writes."""
+"""Convert a house to the format of ``plan.schema.json``, which the editor opens."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from plan2scene.plans.geometry import point_along, room_polygon
 from plan2scene.plans.plan_json import DEFAULT_DEPTH, FORMAT, SNAP_TOLERANCE, plan_schema
 from plan2scene.plans.wall_sides import find_openings, room_sides
 
-#: Places after the point of a coordinate in metres.
+#: Decimal places of a coordinate in metres.
 _DIGITS = 4
 
 
 def house_to_plan(house: House) -> dict[str, Any]:
     """Return a house as a document of ``plan.schema.json``.
 
-    Levels, rooms, types, heights, openings and stairs stay; walls follow the outlines again when
-    it is read, all with the usual thickness of this house's. Objects and icons are left out. A
-    hole that two rooms have in walls of their own is one opening, whatever its ids, between them
-    where both are near enough.
+    Levels, rooms, types, heights, openings and stairs are kept. Walls are not written: the reader
+    makes them from the rooms' outlines, all with the median thickness of this house's walls.
+    Objects and icons are left out. If two rooms have walls of their own with one hole through both,
+    it is written as one opening, midway between the walls if they are close enough.
     """
     depths = [wall.depth for wall in house.walls] or [DEFAULT_DEPTH]
     limits = plan_schema()["properties"]["wall_depth"]
@@ -47,7 +47,7 @@ def house_to_plan(house: House) -> dict[str, Any]:
 
 
 def _on(level_id: str) -> dict[str, str]:
-    """Return the entry of what is on a level; none in a plan without levels."""
+    """Return the entry that names the level of a thing; empty in a plan without levels."""
     return {"level": level_id} if level_id else {}
 
 
@@ -63,13 +63,13 @@ def _flight_entry(stairs: Stairs) -> dict[str, Any]:
 
 
 def _opening_entries(house: House) -> list[dict[str, Any]]:
-    """Return every opening once, as a segment: midway of two walls that are each a room's own."""
+    """Return every opening once, as a segment; one through two close walls lies midway."""
     entries: dict[str, dict[str, Any]] = {}
     for level, storey in house.storeys():
         polygons = {room.id: room_polygon(room) for room in storey.rooms}
         for portal in find_openings(storey, room_sides(storey, polygons), polygons).portals:
             wall, opening = portal.side.wall, portal.hole.opening
-            if opening.guessed:  # as no plan draws it; an import guesses it again
+            if opening.guessed:  # it is not in the plan; an import guesses it again
                 continue
             ends = np.array([point_along(wall, s) for s in (opening.start, opening.end)])
             if portal.other and len(wall.room_ids) == 1 and portal.depth <= 2 * SNAP_TOLERANCE:
@@ -88,7 +88,7 @@ def _opening_entries(house: House) -> list[dict[str, Any]]:
 
 
 def _midway(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Return the segment (2, 2) between two that face each other, where both are."""
+    """Return the segment (2, 2) midway between two facing ones, along their common extent."""
     way = (one[1] - one[0]) / np.linalg.norm(one[1] - one[0])
     along = np.sort((other - one[0]) @ way)
     across = other.mean(axis=0) - one.mean(axis=0)

@@ -1,4 +1,4 @@
-"""One house from one's own files: a data set of one, run by Snakemake, results copied out."""
+"""Make one house from a user's files: a data set of one house, Snakemake, results copied out."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ from plan2scene_app.tracing.settings import SETTINGS
 
 _LOG = logging.getLogger("plan2scene")
 DATASET = "own"
-#: In what colours the house may be shown (``house.colours``).
+#: Values of ``house.colours``: paint without light, or colours as the photos show them.
 HOUSE_COLOURS = ("paint", "photo")
-#: Which walls of a house share a texture (``house.walls``).
+#: Values of ``house.walls``: all walls of a room share a texture, or accent walls have their own.
 HOUSE_WALLS = ("room", "wall")
-#: Sides of a tile in pixels that the configuration allows.
+#: Sides of a tile, in pixels, that the configuration allows.
 TEXTURE_SIZES = (128, 256, 512)
-#: Files of the house that a user wants.
+#: Files of the house that are delivered to the user.
 DELIVERED: tuple[str, ...] = (
     "house.glb",
     "house.scene.json",
@@ -47,8 +47,9 @@ DELIVERED: tuple[str, ...] = (
     "rooms.jpg",
     "viewer.html",
 )
-#: Files beside them where there are photos: the house seen from where they were taken, what became
-#: of them, what is not sure, and the table of their rooms, to be corrected and given again.
+#: Further files if there are photos: the house seen from the photos' places, the floors' patterns,
+#: the contact sheet, the page of doubts, and the table of the photos' rooms, which the user can
+#: correct and pass to the next run.
 OF_PHOTOS: tuple[str, ...] = (
     "views.jpg",
     "patterns.jpg",
@@ -56,23 +57,25 @@ OF_PHOTOS: tuple[str, ...] = (
     "doubts.html",
     "photos.csv",
 )
-#: What is printed of the progress: nothing, a line for each job (a bar on a terminal), or all.
+#: Snakemake options by what is printed of the progress: nothing, a line for each job (a bar on a
+#: terminal), or everything.
 PRINTED = {
     "quiet": ("--quiet", "all"),
     "lines": ("--logger", "plan2scene"),
     "verbose": ("--printshellcmds",),
 }
-#: Files beside them of a plan that was a picture.
+#: Further files if the plan is a picture.
 TRACED = ("plan.json", "plan.overlay.png", "plan.doubts.txt")
 
 
 @dataclass(frozen=True)
 class SingleHouse:
-    """What a user gives for one house."""
+    """The user's files and settings for one house."""
 
     plan: Path
     photo_table: Path | None
-    #: The table's photos, by default beside it; without a table all that are in there.
+    #: Folder of the photos in the table (default: the table's folder). Without a table, all photos
+    #: in this folder are used.
     photos_dir: Path | None
     house: str
     method: str
@@ -82,9 +85,9 @@ class SingleHouse:
     colours: str = "paint"
     walls: str = "wall"
     dxf_layers: Mapping[str, str] | None = None
-    #: Field of view of the photos along their longer side, degrees; None: it is estimated.
+    #: Field of view of the photos along their longer side, degrees; None if it is estimated.
     fov_deg: float | None = None
-    #: What people call it; empty where `house` says so.
+    #: The house's name for people; empty if it is the same as `house`, the id.
     name: str = ""
 
 
@@ -94,7 +97,7 @@ def is_picture(request: SingleHouse) -> bool:
 
 
 def read_input(request: SingleHouse) -> list[str]:
-    """Read plan and photo table, so that mistakes are found before any job; return the photos."""
+    """Read plan and photos, so that errors are found before any job; return the photos' names."""
     house = None
     if is_picture(request):
         read_plan_picture(request.plan)
@@ -132,8 +135,8 @@ def read_input(request: SingleHouse) -> list[str]:
 def photos_in(folder: Path, plan: Path) -> list[str]:
     """Return the names of a folder's photos, sorted.
 
-    Hidden files, the plan, repeated photos, drawings and pages are left out. InputError for no
-    folder, and one without photos.
+    Hidden files, the plan, repeated photos, drawings and pages are left out. InputError if there
+    is no such folder or no photo in it.
     """
     if not folder.is_dir():
         raise InputError("a folder of photos, or a photo table", absent(folder), file=folder)
@@ -156,7 +159,7 @@ def photos_in(folder: Path, plan: Path) -> list[str]:
 
 
 def _is_page(path: Path) -> bool:
-    """Return whether a file is a picture that is mostly paper; what is no picture is told later."""
+    """Return whether a file is a picture that is mostly paper; False if it cannot be read."""
     try:
         image = decode_image(path, partial(to_small_srgb, side=SETTINGS.page_side_px))
     except InputError:
@@ -165,16 +168,16 @@ def _is_page(path: Path) -> bool:
 
 
 def _photo_path(request: SingleHouse, name: str) -> Path:
-    """Return where a photo of the request lies."""
+    """Return the path of one of the request's photos."""
     table = request.photo_table
     folder = request.photos_dir or (table.parent if table else Path())
     return safe_join(folder, name, file=table or folder, house_id=request.house)
 
 
 def prepare(request: SingleHouse, names: list[str], work: Path) -> Path:
-    """Lay a data set of one house and these photos under `work`; return its config file.
+    """Write a data set of one house with these photos under `work`; return its config file.
 
-    The house goes on without photos that are missing.
+    Photos that are missing are not copied; the house is made without them.
     """
     root = work / "dataset"
     photos = root / "photos"
@@ -199,7 +202,7 @@ def prepare(request: SingleHouse, names: list[str], work: Path) -> Path:
 
 
 def _copy_finishes(plan: Path, copy: Path) -> None:
-    """Copy the finishes beside the plan, or remove those of an earlier run."""
+    """Copy the finishes that lie beside the plan; without any, remove those of an earlier run."""
     source, target = finishes_file(plan), finishes_file(copy)
     if source.is_file():
         _copy_changed(source, target)
@@ -208,20 +211,20 @@ def _copy_finishes(plan: Path, copy: Path) -> None:
 
 
 def _table_of(names: list[str]) -> str:
-    """Return a photo table for photos without known rooms."""
+    """Return the text of a photo table (CSV) for photos whose rooms are not known."""
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows([["photo"], *([name] for name in names)])
     return text.getvalue()
 
 
 def _write_changed(text: str, target: Path) -> None:
-    """Write a text unless the target has it."""
+    """Write a text, unless the target already has this content."""
     if not target.is_file() or target.read_bytes() != text.encode():
         write_text(target, text)
 
 
 def _copy_photos(names: list[str], target: Path, request: SingleHouse) -> None:
-    """Copy the photos that exist, and remove others that an earlier run copied."""
+    """Copy the photos that exist; remove the copies of those that no longer exist."""
     for name in names:
         path = _photo_path(request, name)
         copy = safe_join(target, name)
@@ -232,10 +235,10 @@ def _copy_photos(names: list[str], target: Path, request: SingleHouse) -> None:
 
 
 def _copy_changed(source: Path, target: Path) -> None:
-    """Copy a file unless the target has its contents.
+    """Copy a file, unless the target already has the same content.
 
-    A copy is as new as now, whatever the time of the source: the workflow makes again what depends
-    on it, also where an older file takes the place of a newer one.
+    The copy's time is now, not that of the source. So the workflow makes everything that depends on
+    it again, even if an older file replaces a newer one.
     """
     if target.is_file() and filecmp.cmp(source, target, shallow=False):
         return
@@ -244,7 +247,7 @@ def _copy_changed(source: Path, target: Path) -> None:
 
 
 def shipped_config() -> dict[str, Any]:
-    """Return the demo's configuration: ``advanced.yaml`` with the keys of ``config.yaml``."""
+    """Return the demo's configuration: ``advanced.yaml``, overridden by ``config.yaml``."""
     import yaml
 
     advanced, config = (
@@ -258,7 +261,7 @@ def shipped_config() -> dict[str, Any]:
 
 
 def _write_config(request: SingleHouse, root: Path, work: Path) -> Path:
-    """Write the run's configuration: the shipped one with this data set in it."""
+    """Write the run's configuration: the shipped one, changed for this request."""
     import yaml
 
     config = shipped_config()
@@ -294,17 +297,17 @@ def run(
     events: Path | None = None,
     first: tuple[str, ...] = (),
 ) -> dict[str, Path]:
-    """Make one house with Snakemake under `out`; return the files a user wants, by name.
+    """Make one house with Snakemake under `out`; return the delivered files by name.
 
-    A run that was killed goes on by the same call. Raises InputError for faults of the input,
-    WorkflowError when the workflow fails.
+    The same call continues a run that was killed. Raises InputError for errors of the input and
+    WorkflowError if the workflow fails.
 
     Parameters
     ----------
     printed : str
         What is printed of the progress, a key of :data:`PRINTED`.
     events : path, optional
-        File that the logger appends its events to, where `printed` is ``lines``.
+        File to which the logger appends its events; only with `printed` ``lines``.
     first : tuple of str
         Names of :data:`DELIVERED` that are made and delivered before the others.
     """
@@ -317,7 +320,7 @@ def run(
     names = read_input(request)
     wanted = (*DELIVERED, *OF_PHOTOS) if names else DELIVERED
     wanted += TRACED if is_picture(request) else ()
-    # A table of an earlier run that was corrected is the user's.
+    # If the user passes the photos.csv of an earlier run, it is an input and not overwritten.
     wanted = tuple(name for name in wanted if (out / name).resolve() != _resolved(request))
     with claimed_folder(out, (*wanted, "textures"), inputs) as folder:
         config = prepare(request, names, folder.work)
@@ -344,7 +347,7 @@ def run(
 
 
 def _profile_options() -> list[str]:
-    """Return the default profile as options: of a profile Snakemake prints a line in every run."""
+    """Return the default profile as options; for a profile file Snakemake would print a line."""
     import yaml
 
     text = (WORKFLOW / "workflow" / "profiles" / "default" / "profile.yaml").read_text("utf-8")
@@ -356,7 +359,7 @@ def _profile_options() -> list[str]:
 
 
 def _resolved(request: SingleHouse) -> Path | None:
-    """Return the photo table's real path."""
+    """Return the photo table's resolved path, or None."""
     return None if request.photo_table is None else request.photo_table.resolve()
 
 
@@ -366,7 +369,7 @@ def _make(targets: list[str], config: Path, folder: OutFolder, options: list[str
     command += ["--directory", str(folder.work), "--configfile", str(config)]
     command += _profile_options()
     command += [*options, "--", *targets]
-    # Who inherits the lock keeps it: the folder is free when Snakemake is gone too.
+    # The child inherits the lock: the folder stays locked until Snakemake has ended, too.
     inherited = (folder.lock,) if folder.lock >= 0 else ()
     if run_bound(command, pass_fds=inherited) != 0:
         raise WorkflowError(f"the workflow failed; its logs are in {folder.work / 'logs'}")

@@ -1,4 +1,4 @@
-"""Textures of a house as its owner set them by hand (:mod:`plan2scene_app.finishes`)."""
+"""Replace textures of a house by finishes that its owner chose (:mod:`plan2scene_app.finishes`)."""
 
 from __future__ import annotations
 
@@ -31,19 +31,19 @@ _FLAT_PX, _FLAT_M = 16, 1.0
 def set_by_hand(
     folder: str | Path, finishes: Mapping[SurfaceKey, str], crops: str | Path, paint: str | Path
 ) -> None:
-    """Give the surfaces of a textures folder the finishes that an owner chose, in place.
+    """Change a textures folder in place: its surfaces get the finishes that the owner chose.
 
-    What the finishes do not name keeps its bytes. A finish of a room or photo that the house does
-    not have is left out, with a warning.
+    Tiles of all other surfaces keep their bytes. A finish that names a room or photo that the house
+    does not have is left out, with a warning.
 
     Parameters
     ----------
     folder : path
         Textures in paint: tiles, ``textures.json``, ``maps.json``, ``doors.json``.
     crops : path
-        ``crops.parquet``, of which ``photo:`` takes.
+        ``crops.parquet``: finishes ``photo:{name}`` take their crops from it.
     paint : path
-        ``paint.parquet``: the paint of what those crops show.
+        ``paint.parquet``: the paint of the surfaces that those crops show.
     """
     root = Path(folder)
     index = read_stage_json(root / "textures.json", "textures")
@@ -77,7 +77,7 @@ def set_by_hand(
 
 @dataclass(frozen=True)
 class _Tile:
-    """A tile (n, n, 3) uint8 sRGB, the metres that it covers, what it is made of."""
+    """A tile (n, n, 3) uint8 sRGB, the metres that its side covers, and its substance."""
 
     image: np.ndarray
     size_m: float
@@ -86,7 +86,7 @@ class _Tile:
 
 @dataclass
 class _House:
-    """A house's tiles as they are, and those that are chosen."""
+    """The existing tiles of a house (`entries`) and the finishes `chosen` for its surfaces."""
 
     root: Path
     entries: Mapping[SurfaceKey, Mapping[str, Any]]
@@ -96,7 +96,7 @@ class _House:
     _pending: set[SurfaceKey] = field(default_factory=set)
 
     def tile(self, key: SurfaceKey) -> _Tile | None:
-        """Return the tile that is chosen for a surface; None, with a warning, for what is not."""
+        """Return the tile of a surface's chosen finish; None, with a warning, if there is none."""
         what = self.chosen[key]
         form, _, name = what.partition(":")
         if form == "same":
@@ -128,7 +128,10 @@ class _House:
         return _Tile(image, float(entry["size_m"]), entry.get("substance"))
 
     def _of_photo(self, key: SurfaceKey, photo: str) -> _Tile | None:
-        """Return the tile that a photo's crops of this kind of surface give, in its paint."""
+        """Return a tile made from a photo's crops of this kind of surface, in their paint colour.
+
+        If the crops are of several surfaces, those of the surface with most crops are used.
+        """
         table, _ = read_parquet(self.crops)
         kind = key.surface.partition(".")[0]
         rows = table[(table["photo"] == photo) & (table["surface"] == kind)]
@@ -152,16 +155,16 @@ class _House:
 
 
 def _levels(what: str) -> np.ndarray:
-    """Return a colour as (3,) uint8 sRGB: ``white`` is white paint, not paper."""
+    """Return a colour as (3,) uint8 sRGB; ``white`` is usual white paint, not (255, 255, 255)."""
     if what == "white":
         return as_uint8(linear_to_srgb(np.exp(PaintPrior().white[0]) * np.ones(3)))
     return np.array([int(what[k : k + 2], 16) for k in (1, 3, 5)], np.uint8)
 
 
 def _spread(finishes: Mapping[SurfaceKey, str], keys: list[SurfaceKey]) -> dict[SurfaceKey, str]:
-    """Return what is chosen for each surface of a house: the nearest row counts.
+    """Return the finish chosen for each surface of a house: the most specific row decides.
 
-    A row of all rooms (``*``) yields to one of a room, one of a room's walls to one of a wall.
+    A row for one wall overrides a row for all walls of its room; that one overrides ``*``.
     """
     known = {key.room_id for key in keys}
     for room in sorted({k.room_id for k in finishes if k.surface != "door"} - known - {"*"}):
@@ -177,7 +180,7 @@ def _spread(finishes: Mapping[SurfaceKey, str], keys: list[SurfaceKey]) -> dict[
 
 
 def _colours(kind: str, finishes: Mapping[SurfaceKey, str]) -> dict[str, list[int]]:
-    """Return the colours that are chosen for doors or trim by opening or room; ``""``: for all."""
+    """Return the chosen colours of doors (by opening id) or trim (by room id); ``""`` is all."""
     return {
         "" if key.room_id == "*" else key.room_id: [int(level) for level in _levels(what)]
         for key, what in finishes.items()

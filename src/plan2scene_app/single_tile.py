@@ -28,7 +28,7 @@ from plan2scene.weights import MODELS
 
 #: Side of the crops that the models were trained on.
 CROP_PX = 128
-#: Tiles of each substance in the library that method retrieve chooses from.
+#: Number of tiles of each substance in the library from which the method `retrieve` chooses.
 LIBRARY_TILES = 60
 _KEY = SurfaceKey("room", "wall")
 
@@ -52,7 +52,7 @@ def tile_from_crops(
     images : non-empty sequence of (h, w, 3) uint8 sRGB
         Crops of the surface; their middle squares are used at 128 px.
     method : str
-        Of the registry (:mod:`plan2scene.textures.methods`); InputError for another one.
+        A name in :mod:`plan2scene.textures.methods`; InputError for any other name.
     """
     crops = [square_crop(image) for image in images]
     chosen = method_named(method)
@@ -90,7 +90,7 @@ class _OneSurface(HouseData):
 def _inputs(
     images: list[np.ndarray], method: TextureMethod, settings: TextureSettings, models: Path
 ) -> TextureInputs:
-    """Return what a method makes the tile from; an embedding only where it asks for one."""
+    """Return the inputs of a texture method; an embedding only if the method needs one."""
     nan = math.nan
     crops = tuple(Crop(str(k), _KEY, png_bytes(image), nan) for k, image in enumerate(images))
     paths = {name: models / f"{name}.safetensors" for name in ("texture", "naivesynth")}
@@ -109,9 +109,10 @@ def _inputs(
 
 
 def _embedding(crops: np.ndarray, model: Path, seed: int) -> tuple[int, np.ndarray]:
-    """Return the crop that stands for the surface, and the surface's embedding.
+    """Return the index of the crop that represents the surface, and the surface's embedding.
 
-    A model that knows colours selects a crop; the code of one that does not is the crops' mean.
+    A model with colour (`delta_hsv`) selects one crop. For another model, the embedding is the mean
+    over all crops, and the index is 0.
     """
     from plan2scene.colour import clipped_share
     from plan2scene.textures.model.embedding import embed_crops

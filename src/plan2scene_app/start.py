@@ -1,4 +1,4 @@
-"""The command ``plan2scene``: Ctrl+C while its packages are imported is one line, too."""
+"""The command ``plan2scene``: Ctrl+C during the imports also ends in one line, no traceback."""
 
 from __future__ import annotations
 

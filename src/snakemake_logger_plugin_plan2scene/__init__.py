@@ -1,14 +1,14 @@
-"""``snakemake --logger plan2scene``: a line for each job that is done, a bar on a terminal.
+"""``snakemake --logger plan2scene``: a line for each finished job, a progress bar on a terminal.
 
-A package of its own, for Snakemake finds plugins by the name of their package; the library does
-not know it. A job that fails is a line with what its log says. ``--logger-plan2scene-events FILE``
-also writes what happens as JSON lines, for programs:
+It is a package of its own because Snakemake finds plugins by the name of their package; the library
+does not import it. A failed job gives a line with the error in its log. With
+``--logger-plan2scene-events FILE`` the events are also appended to a file, for programs:
 
 - ``{"event": "planned", "jobs": {rule: count}}``
 - ``{"event": "started", "rule": rule, "house": house}``
 - ``{"event": "finished", "rule": rule, "house": house, "seconds": s, "warnings": [line]}``
 - ``{"event": "failed", "rule": rule, "house": house, "message": line}``
-- ``{"event": "error", "message": line}`` of the run as a whole
+- ``{"event": "error", "message": line}`` for an error of the whole run
 """
 
 import json
@@ -23,7 +23,7 @@ from snakemake_interface_logger_plugins.common import LogEvent
 from snakemake_interface_logger_plugins.settings import LogHandlerSettingsBase
 
 _WIDTH = 30  # of the bar, in characters
-#: What a user of the lines need not read: the log file has it.
+#: Other messages of Snakemake are printed from this level on; the log file has them all.
 _LEVEL = logging.ERROR
 
 
@@ -47,7 +47,7 @@ class _Job:
     started: float  #: seconds since the epoch
 
     def lines(self, level: str) -> list[str]:
-        """Return what the job's logs say at a level, without its name."""
+        """Return the lines of the job's logs at a level, without the level's name."""
         lines = [line for log in self.logs if log.is_file() for line in _read(log)]
         return [line.removeprefix(f"{level} ") for line in lines if line.startswith(f"{level} ")]
 
@@ -57,12 +57,12 @@ def _read(log: Path) -> list[str]:
 
 
 class LogHandler(LogHandlerBase):
-    """Lines of finished jobs: how many of how many, rule, house, seconds.
+    """Writes a line for each finished job: its number of the total, rule, house, seconds.
 
     Attributes
     ----------
     stream : text file
-        Where lines go; the bar is drawn where it is a terminal.
+        Where lines are written; the bar is drawn only if it is a terminal.
     """
 
     stream: TextIO
@@ -75,7 +75,7 @@ class LogHandler(LogHandlerBase):
         self._jobs: dict[int, _Job] = {}
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Keep what an event says of a job, and write a line when one is done."""
+        """Record what an event says about a job, and write a line when a job ends."""
         event, fields = getattr(record, "event", None), record.__dict__
         if event == LogEvent.RUN_INFO:
             planned = dict(fields["stats"])
@@ -89,7 +89,7 @@ class LogHandler(LogHandlerBase):
         elif event == LogEvent.JOB_ERROR:
             self._fail(fields, record.created)
         elif event is None and "on user request" in record.getMessage():
-            self._stopped = True  # whoever stopped it is told by the command
+            self._stopped = True  # the command itself tells the user
         elif event is None and record.levelno >= _LEVEL:
             self._write(self.format(record))
             self._report("error", message=self.format(record))
@@ -99,7 +99,7 @@ class LogHandler(LogHandlerBase):
         return _Job(fields["rule_name"], house, [Path(log) for log in fields.get("log") or ()], now)
 
     def _finish(self, number: int, now: float) -> None:
-        """Write the line of a job that is done."""
+        """Write the line of a finished job."""
         self._done += 1
         job = self._jobs.pop(number, _Job("", "", [], now))
         seconds = now - job.started
@@ -110,9 +110,10 @@ class LogHandler(LogHandlerBase):
         self._report("finished", **values, warnings=job.lines("WARNING"))
 
     def _fail(self, fields: dict[str, Any], now: float) -> None:
-        """Write what a job's log says went wrong, or where to look.
+        """Write the error in a failed job's log, or where the log is.
 
-        Of a group that failed every job is named: those without a fault in their log are left out.
+        Snakemake reports every job of a failed group; jobs without an error in their log are
+        left out.
         """
         job = self._jobs.get(fields["jobid"]) or self._job(fields, now)
         logs = [Path(log).resolve() for log in fields["log"]]
@@ -130,29 +131,29 @@ class LogHandler(LogHandlerBase):
                 file.write(json.dumps({"event": event} | values) + "\n")
 
     def _write(self, line: str) -> None:
-        """Write a line, above the bar where there is one."""
+        """Write a line, above the bar if there is one."""
         if not self.stream.isatty():
             print(line, file=self.stream, flush=True)
             return
         filled = _WIDTH * self._done // max(self._total, 1)
         bar = f"[{'#' * filled}{'.' * (_WIDTH - filled)}]"
-        # What a job writes next begins on the bar.
+        # The cursor stays at the start of the bar, so that the next output overwrites it.
         end = "\n" if self._done >= self._total else "\r"
         print(f"\x1b[K{line}\n{bar}", end=end, file=self.stream, flush=True)
 
     @property
     def writes_to_stream(self) -> bool:
-        """Whether Snakemake's own lines are left out: yes."""
+        """Whether it replaces Snakemake's own lines: yes."""
         return True
 
     @property
     def writes_to_file(self) -> bool:
-        """Whether a file takes the place of Snakemake's log: no."""
+        """Whether it replaces Snakemake's log file: no."""
         return False
 
     @property
     def has_filter(self) -> bool:
-        """Whether it decides itself what it takes: yes."""
+        """Whether it filters the records itself: yes."""
         return True
 
     @property
@@ -162,5 +163,5 @@ class LogHandler(LogHandlerBase):
 
     @property
     def needs_rulegraph(self) -> bool:
-        """Whether the graph of rules is wanted: no."""
+        """Whether it needs the graph of rules: no."""
         return False

@@ -1,1 +1,1 @@
-"""The contact sheet: what became of each photo on the way to crops."""
+"""The contact sheet: a picture of what each step from photo to crops found."""

@@ -1,7 +1,7 @@
 """Panels of a contact sheet: pictures of what each step from photo to crops found.
 
-Every function takes a photo already reduced to the panel (and a camera to match) and returns a
-new (h, w, 3) uint8 sRGB picture; nothing here decides anything.
+The drawing functions take a photo that is already reduced to the panel, with a matching camera, and
+return a new (h, w, 3) uint8 sRGB picture. They only draw results of the stages.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from plan2scene.photos.planes.planes import Plane
 from plan2scene.photos.planes.rectification import RectifiedPlane, rectify
 from plan2scene_app.drawing import INK, PAPER, font
 
-#: sRGB of selected windows, those selected for want of better ones, and rejected ones.
+#: sRGB of windows that are selected, selected for lack of better ones, and rejected.
 SELECTED, LAST_RESORT, REJECTED = (40, 200, 70), (250, 170, 30), (225, 50, 50)
 #: The kinds of windows, with their colours.
 KINDS = {"selected": SELECTED, "last_resort": LAST_RESORT, "rejected": REJECTED}
@@ -36,24 +36,24 @@ KINDS = {"selected": SELECTED, "last_resort": LAST_RESORT, "rejected": REJECTED}
 
 @dataclass(frozen=True)
 class Window:
-    """One candidate window of a photo."""
+    """One candidate for a crop: a square window on a plane of a photo."""
 
     surface: str
     plane: int
     selected: bool
-    #: Empty for a good one.
+    #: Why the window is not good; empty for a good one.
     reasons: tuple[str, ...]
     #: Side in metres, NaN where unknown.
     size_m: float
     #: (4, 2) float64: Pixels x, y in the photo, clockwise from the crop's top left; NaN where
     #: unknown.
     corners: np.ndarray
-    #: (128, 128, 3) uint8: The crop, of a selected one.
+    #: (128, 128, 3) uint8: The crop of a selected window.
     image: np.ndarray | None = None
 
     @property
     def kind(self) -> str:
-        """Return its kind, of `KINDS`."""
+        """Return the window's kind, a key of `KINDS`."""
         return "rejected" if not self.selected else "last_resort" if self.reasons else "selected"
 
 
@@ -63,7 +63,7 @@ def plane_name(surface: str, index: int) -> str:
 
 
 def read_windows(crops: str | Path, candidates: str | Path) -> dict[str, tuple[Window, ...]]:
-    """Return the windows of each photo, once for all rooms; selected when any room selects it."""
+    """Return each photo's windows, each once; it is selected if at least one room selects it."""
     table, _ = read_parquet(crops)
     png = dict(zip(table["crop_id"], table["png"], strict=True))
     frame, _ = read_parquet(candidates)
@@ -100,7 +100,7 @@ def count_windows(windows: Sequence[Window]) -> dict[str, int]:
 
 
 def thumbnail(window: Window, full: np.ndarray | None, side: int) -> np.ndarray:
-    """Return a window (side, side, 3): its crop, else cut out of the photo by its corners."""
+    """Return a window's picture (side, side, 3): its crop, or cut from the photo at its corners."""
     if window.image is not None:
         return cv2.resize(window.image, (side, side), interpolation=cv2.INTER_AREA)
     if full is None or not np.isfinite(window.corners).all():
@@ -113,7 +113,7 @@ def thumbnail(window: Window, full: np.ndarray | None, side: int) -> np.ndarray:
 
 
 def in_turns(windows: Sequence[Window]) -> list[Window]:
-    """Return windows in turns over planes and reasons, so that the first few show every kind."""
+    """Return windows alternating between planes and reasons, so that the first show every kind."""
     groups: dict[tuple[str, int, tuple[str, ...]], list[Window]] = {}
     for window in windows:
         groups.setdefault((window.surface, window.plane, window.reasons), []).append(window)
@@ -124,14 +124,14 @@ def in_turns(windows: Sequence[Window]) -> list[Window]:
 #: sRGB of segments along the photo's x, y (up) and z, of other segments, and of the horizon.
 AXES = ((235, 70, 60), (60, 190, 80), (70, 130, 250))
 STRAY, HORIZON = (150, 150, 150), (255, 220, 0)
-#: A segment belongs to an axis that it misses by less than this, degrees.
+#: A segment belongs to an axis if the angle between them is less than this, degrees.
 AXIS_DEG = 3.0
-#: Rectified planes shown of one photo, the largest first.
+#: Largest number of rectified planes that are shown for one photo, the largest first.
 MAX_PLANES = 6
 
 
 def fit(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-    """Return an image reduced or enlarged to fit (height, width), its shape kept."""
+    """Return an image scaled to fit into (height, width), with its aspect ratio kept."""
     height, width = image.shape[:2]
     scale = min(size[0] / height, size[1] / width)
     shape = (max(1, round(width * scale)), max(1, round(height * scale)))
@@ -140,7 +140,7 @@ def fit(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
 
 
 def windows_panel(image: np.ndarray, windows: Sequence[Window], scale: float) -> np.ndarray:
-    """Return the photo with the windows' outlines; `scale` is its size over the full photo's."""
+    """Return the photo with the windows' outlines; `scale` is image size over full photo size."""
     picture = image.copy()
     for selected in (False, True):
         layer = picture.copy()
@@ -148,14 +148,14 @@ def windows_panel(image: np.ndarray, windows: Sequence[Window], scale: float) ->
             if window.selected == selected and np.isfinite(window.corners).all():
                 points = np.rint((window.corners + 0.5) * scale * 8).astype(np.int32)
                 cv2.polylines(layer, [points], True, KINDS[window.kind], 1, cv2.LINE_AA, 3)
-        # Rejected windows are many: they must not hide the photo.
+        # There are many rejected windows: they are drawn pale so that they do not hide the photo.
         opacity = 1.0 if selected else 0.4
         picture = cv2.addWeighted(layer, opacity, picture, 1.0 - opacity, 0.0)
     return picture
 
 
 def mask_panel(image: np.ndarray, labels: np.ndarray, planes: Sequence[Plane]) -> np.ndarray:
-    """Return the photo under its labels' colours, planes outlined and named (f, c, w0 ...)."""
+    """Return the photo tinted by its labels; planes are outlined and named (floor, wall 0 ...)."""
     table = np.zeros((256, 3), np.float32)
     table[: len(PALETTE)] = PALETTE
     mixed = 0.55 * image.astype(np.float32) + 0.45 * table[labels]
@@ -172,7 +172,7 @@ def mask_panel(image: np.ndarray, labels: np.ndarray, planes: Sequence[Plane]) -
 
 
 def _tag(picture: np.ndarray, text: str, middle: tuple[int, int]) -> None:
-    """Write a small label into `picture`, centred on a pixel as far as it stays inside."""
+    """Write a small label into `picture`, centred on a pixel but moved to stay inside."""
     canvas = Image.fromarray(picture)
     draw = ImageDraw.Draw(canvas)
     half = draw.textlength(text, font=font(11)) / 2 + 3
@@ -187,7 +187,7 @@ def _tag(picture: np.ndarray, text: str, middle: tuple[int, int]) -> None:
 
 
 def lines_panel(image: np.ndarray, camera: Camera, segments: np.ndarray) -> np.ndarray:
-    """Return the photo, paled, with its line segments (n, 4) by axis and the horizon."""
+    """Return the pale photo with its line segments (n, 4), coloured by axis, and the horizon."""
     picture = np.clip(image * 0.45 + 255 * 0.55, 0, 255).astype(np.uint8)
     for segment, axis in zip(segments, segment_axes(segments, camera), strict=True):
         ends = np.rint(segment.reshape(2, 2) * 8).astype(int)
@@ -204,7 +204,7 @@ def lines_panel(image: np.ndarray, camera: Camera, segments: np.ndarray) -> np.n
 
 
 def segment_axes(segments: np.ndarray, camera: Camera) -> np.ndarray:
-    """Return the axis (0 x, 1 up, 2 z) that each segment (n, 4) runs along, or -1, as (n,) int."""
+    """Return the axis (0 x, 1 up, 2 z) of each segment (n, 4), -1 for none, as (n,) int."""
     lines = Segments(segments, (camera.cx, camera.cy), np.ones(len(segments)))
     turn = np.abs(residuals(*lines.rays(camera.focal_px), camera.matrix))
     nearest = np.argmin(turn, axis=1)
@@ -214,7 +214,7 @@ def segment_axes(segments: np.ndarray, camera: Camera) -> np.ndarray:
 def planes_panel(
     image: np.ndarray, camera: Camera, planes: Sequence[Plane], size: tuple[int, int]
 ) -> np.ndarray:
-    """Return a picture of (height, width) with the largest planes straight on, metre grid over."""
+    """Return a picture (height, width) of the largest planes, rectified, with a 1 m grid."""
     largest = sorted(planes, key=lambda plane: -int(plane.mask.sum()))[:MAX_PLANES]
     views = [(plane, view) for plane in largest if (view := rectify(image, camera, plane))]
     canvas = Image.new("RGB", (size[1], size[0]), PAPER)
@@ -236,7 +236,7 @@ def planes_panel(
 
 
 def _with_grid(view: RectifiedPlane, size: tuple[int, int]) -> np.ndarray:
-    """Return a rectified plane at most (height, width) large, unusable parts pale, metre lines."""
+    """Return a rectified plane that fits (height, width), invalid parts pale, with a 1 m grid."""
     image = np.where(view.mask[..., None], view.image, view.image // 4 + 180)
     thumb = fit(image.astype(np.uint8), size)
     scale = thumb.shape[1] / view.mask.shape[1]
@@ -252,12 +252,12 @@ def _with_grid(view: RectifiedPlane, size: tuple[int, int]) -> np.ndarray:
     return thumb
 
 
-#: sRGB of walls, doors and passages, windows, the frustum, and the room that a photo stands in.
+#: sRGB of walls, doors and passages, windows, the frustum, and the room of the camera.
 WALL_INK, DOOR_INK, WINDOW_INK = (90, 90, 90), (220, 60, 50), (40, 140, 235)
 FRUSTUM, OWN_ROOM = (240, 150, 30), (255, 243, 214)
-#: Length of the frustum in the plan, metres, and the margin about the plan, pixels.
+#: Length of the frustum in the plan, metres, and the margin around the plan, pixels.
 FRUSTUM_M, MARGIN = 2.5, 8
-#: What is nearer to the camera's plane is cut off, metres.
+#: Depth of the near plane at which lines are clipped, metres.
 NEAR_M = 0.05
 
 
@@ -266,7 +266,8 @@ def plan_panel(
 ) -> np.ndarray:
     """Return a picture of (height, width) of the plan, x to the right and z down.
 
-    Of the level where the photo was taken, with its frustum; else of the lowest.
+    It shows the level where the photo was taken, with the frustum. Without a pose it shows the
+    level of the first shape.
     """
     level = next(iter(shapes.values())).level if pose is None else shapes[pose.room_id].level
     shapes = {name: shape for name, shape in shapes.items() if shape.level == level}
@@ -330,7 +331,7 @@ def _room_lines(shape: RoomShape) -> Iterator[tuple[np.ndarray, tuple[int, int, 
 def _segments(
     camera: Camera, points: np.ndarray
 ) -> Iterator[tuple[tuple[int, int], tuple[int, int]]]:
-    """Yield the visible pieces of a line through points (n, 3), from the camera, in 1/8 pixels."""
+    """Yield a line's visible pieces in 1/8 pixels; its points (n, 3) are relative to the eye."""
     seen = camera.seen(points)
     for a, b in pairwise(seen):
         if max(a[2], b[2]) <= NEAR_M:

@@ -1,9 +1,9 @@
-"""Contact sheet of a house: for each photo what became of it on the way to crops, in one row.
+"""Contact sheet of a house: a row for each photo shows what each step from photo to crops found.
 
-Photo with all windows drawn, labels and planes, segments by axis with the horizon, planes straight
-on with a metre grid, the plan with the photo's frustum and its edges over the photo, selected crops
-and rejected windows with the reason. For people to look at: it draws what the stages saved and
-works out nothing again.
+A row has these panels: the photo with all windows; labels and planes; line segments by axis and the
+horizon; rectified planes with a 1 m grid; the plan with the photo's frustum; the plan's edges over
+the photo; selected crops and rejected windows with the reason. It is for people to look at: it
+draws what the stages saved and computes nothing again.
 """
 
 from __future__ import annotations
@@ -44,24 +44,25 @@ from plan2scene_app.contact_sheet.panels import (
 )
 from plan2scene_app.drawing import INK, PAPER, font, font_for, legible, room_labels
 
-#: Photos on a sheet; of houses with more the first are drawn, the rest counted.
+#: Largest number of photos on a sheet; further photos are only counted.
 MAX_PHOTOS = 20
 #: Height and width of a panel, pixels.
 PANEL = (225, 300)
-#: Width of the crops' panel, and of what is between panels, pixels.
+#: Width of the panel of crops, and the gap between panels, pixels.
 CROPS_WIDTH, GAP = 516, 8
 TITLE, CAPTION, HEADER = 20, 18, 44
-#: Windows in a row (one of crops, two of rejected ones), side of one, and of its cell with text.
+#: Windows in a row (there is one row of crops and two of rejected windows), side of a window, and
+#: height and width of its cell with text, pixels.
 COLUMNS, THUMB, CELL = 6, 50, (83, 86)
 ROW = TITLE + PANEL[0] + CAPTION + 2 * GAP
-#: Panels before the crops.
+#: Number of panels before the panel of crops.
 PANELS = 6
 WIDTH = PANELS * (PANEL[1] + GAP) + CROPS_WIDTH + 2 * GAP
 
 
 @dataclass(frozen=True)
 class SheetFiles:
-    """What a contact sheet draws: files of one house (docs/conventions.md)."""
+    """The files of one house that a contact sheet draws (docs/conventions.md)."""
 
     crops: str | Path
     candidates: str | Path
@@ -74,21 +75,21 @@ class SheetFiles:
 
 @dataclass(frozen=True)
 class SheetPhoto:
-    """One row: the photo reduced to a panel, what is known of it, and why it may be missing."""
+    """One row: the photo reduced to a panel, what the stages found, and a note if it is missing."""
 
     name: str
     rooms: tuple[str, ...]
     windows: tuple[Window, ...]
-    #: (h, w, 3) uint8 sRGB: reduced to a panel, and as it is worked on.
+    #: (h, w, 3) uint8 sRGB: reduced to a panel, and at the size that the stages use.
     image: np.ndarray | None = None
     full: np.ndarray | None = None
-    #: Its camera in its Manhattan frame.
+    #: The photo's camera in its own Manhattan frame.
     camera: Camera | None = None
     labels: np.ndarray | None = None
-    #: (n, 4) float64, pixels: the line segments that gave the camera.
+    #: (n, 4) float64, pixels: the line segments from which the camera was estimated.
     segments: np.ndarray | None = None
     planes: tuple[PhotoPlane, ...] = ()
-    #: Where it was taken, if that is known.
+    #: The photo's pose in the house, if it is known.
     pose: Pose | None = None
     note: str = ""
 
@@ -107,11 +108,11 @@ def write_contact_sheet(
     ----------
     output : path
     photos : mapping of photo name to path
-        Photos of the house table, damaged and missing ones too.
+        Photos of the house table, including damaged and missing ones.
     rooms_of_photo : mapping of photo name to room ids
         ``photo_rooms.json`` of the places stage.
     files : SheetFiles
-        What is drawn.
+        The files that are drawn.
     house : House
         The plan.
 
@@ -144,7 +145,7 @@ def write_contact_sheet(
         if photo.labels is not None:
             size = (photo.labels.shape[0], photo.labels.shape[1])
             own = (plane_of_row(row, size) for row in planes.get(name, ()))
-            # Of a photo whose place is not known, the planes for the first of its rooms.
+            # A photo without a known pose has planes for each of its rooms: show the first room's.
             own = (item for item in own if item.in_plan or set(rooms[:1]) <= set(item.rooms))
             lines = segments.get(name, np.zeros((0, 4)))
             photo = replace(photo, planes=tuple(own), segments=lines)
@@ -160,7 +161,7 @@ def write_contact_sheet(
 
 @dataclass(frozen=True)
 class _Masks:
-    """What the masks stage left: its folder, cameras by photo, warnings."""
+    """The output of the masks stage: its folder, cameras by photo, warnings."""
 
     folder: Path
     cameras: Mapping[str, Any]
@@ -175,7 +176,7 @@ class _Masks:
 def _with_pixels(
     photo: SheetPhoto, path: Path | None, masks: _Masks | None, house_id: str
 ) -> SheetPhoto:
-    """Return a photo with its pixels, mask and camera, or with a note why it has none."""
+    """Return a photo with its pixels, labels and camera, or with a note why they are missing."""
     if path is None:
         return replace(photo, note="not in the house table")
     try:
@@ -195,7 +196,7 @@ def _with_pixels(
 
 
 def row_panels(photo: SheetPhoto, shapes: Mapping[str, RoomShape]) -> list[tuple[np.ndarray, str]]:
-    """Return the panels of a photo with their captions, as far as it got."""
+    """Return a photo's panels with their captions, up to the last step that it reached."""
     if photo.image is None or photo.full is None:
         return []
     height, width = photo.full.shape[:2]
@@ -226,7 +227,7 @@ def row_panels(photo: SheetPhoto, shapes: Mapping[str, RoomShape]) -> list[tuple
 
 
 def _resized_planes(planes: Sequence[Plane], size: tuple[int, int]) -> list[Plane]:
-    """Return planes with masks of another (height, width)."""
+    """Return planes with their masks resized to (height, width)."""
     return [replace(p, mask=_resized(p.mask.astype(np.uint8), size) > 0) for p in planes]
 
 
@@ -242,12 +243,12 @@ def _place_panels(
 
 
 def _resized(values: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-    """Return (h, w) uint8 values at another (height, width), the nearest ones."""
+    """Return (h, w) uint8 values resized to (height, width) by nearest neighbour."""
     return cv2.resize(values, size[::-1], interpolation=cv2.INTER_NEAREST)
 
 
 def _camera_text(camera: Camera) -> str:
-    """Return field of view, where it is from, tilt and confidence in a line."""
+    """Return one line with the field of view, its source, the confidence, tilt and roll."""
     fov = np.degrees(2 * np.arctan(camera.width / 2 / camera.focal_px))
     up = camera.matrix[:, 1]
     down = round(-float(np.degrees(np.arcsin(np.clip(up[2], -1, 1)))))
@@ -259,7 +260,7 @@ def _camera_text(camera: Camera) -> str:
 
 
 def _planes_text(planes: Sequence[Plane]) -> str:
-    """Return the scale's source and the camera's height in a line."""
+    """Return one line with the camera's height and the source of the scale."""
     if not planes:
         return ""
     sources = ", ".join(sorted({plane.scale_source.replace("_", " ") for plane in planes}))
@@ -274,7 +275,7 @@ def _header(
     counts: Mapping[str, int],
     windows: Sequence[Window],
 ) -> None:
-    """Write the house's name, the counts and the colours' meaning."""
+    """Write the house's name, the number of windows of each kind, and a legend of the colours."""
     reasons = Counter(part for window in windows if not window.selected for part in window.reasons)
     why = ", ".join(f"{reason} {count}" for reason, count in reasons.most_common(8))
     more = "" if n_drawn == n_photos else f" (the first {n_drawn} shown)"
@@ -295,7 +296,7 @@ def _draw_row(
     labels: Mapping[str, str],
     row_panels: Sequence[tuple[np.ndarray, str]],
 ) -> None:
-    """Draw one photo's row, given what rooms are called and its panels with their captions."""
+    """Draw one photo's row; `labels` are room names by id, `row_panels` pictures with captions."""
     draw = ImageDraw.Draw(sheet)
     draw.line((0, 0, WIDTH, 0), fill=(200, 200, 200))
     rooms = ", ".join(labels.get(room, room) for room in photo.rooms) or "no room"
@@ -343,7 +344,7 @@ def _draw_crops(sheet: Any, corner: tuple[int, int], photo: SheetPhoto) -> None:
 
 
 def _reason_lines(draw: Any, window: Window) -> list[str]:
-    """Return why a window is not good in at most two lines of a cell's width, else its side."""
+    """Return a window's reasons in at most two lines; for a good window, its side in metres."""
     if not window.reasons:
         return [f"{window.size_m:.2f} m"] if np.isfinite(window.size_m) else []
     lines = list(window.reasons[:1])

@@ -1,1 +1,1 @@
-"""The page of doubts: what a run understood of plan and photos, and how sure it is."""
+"""The page of doubts: what a run found in plan and photos, and how certain it is."""

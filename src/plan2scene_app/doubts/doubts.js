@@ -1,5 +1,5 @@
 "use strict";
-// Saves the photo table with the rooms that were chosen on the page.
+// Saves the photo table with the rooms that the user chose on the page.
 const table = JSON.parse(document.getElementById("table").textContent);
 const save = document.getElementById("save");
 const [header] = table;

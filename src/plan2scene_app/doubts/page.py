@@ -1,4 +1,4 @@
-"""doubts.html: the plan beside the photos, each in its room, and all that is not sure."""
+"""doubts.html: the plan, the photos sorted by room, and a list of everything uncertain."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ from plan2scene_app.html_page import html_page, inline_json, source_hash
 _FOLDER = Path(__file__).parent
 #: Longer side in pixels of photos and of the traced picture on the page.
 _PHOTO_SIDE, _PICTURE_SIDE = 300, 1100
-#: Height in metres of a room's name in the plan; in a narrow room it is less.
+#: Height in metres of the letters of a room's name in the plan; less in a narrow room.
 _LETTERS = 0.32
 #: A photo whose room is less probable than this is a doubt.
 SURE = 0.8
-#: What tells the kind of a room, in words.
+#: Kinds of evidence for a photo's type of room, in words.
 _EVIDENCE = {"embedded": "its look", "imagenet": "the things in it", "name": "its name"}
 
 
@@ -39,22 +39,22 @@ class PlacedPhoto:
     """A row of photos.csv."""
 
     name: str
-    room_id: str  #: empty: in none
-    probability: float | None  #: None where the photo table told the room
-    unused: bool = False  #: a guess that nothing is made of
-    of_kind: float = 1.0  #: how probable a room of these types is
-    evidence: str = ""  #: what told the kind of room
-    number: int = 0  #: of the row; the header's is 0
+    room_id: str  #: empty if the photo is in no room
+    probability: float | None  #: of the room; None if the photo table gives the room
+    unused: bool = False  #: whether the room is only a guess and the photo is not used
+    of_kind: float = 1.0  #: probability of a room of these types
+    evidence: str = ""  #: kinds of evidence for the room's types, separated by spaces
+    number: int = 0  #: number of the row; the header has 0
 
 
 @dataclass(frozen=True)
 class DoubtFiles:
-    """What the page is made of: files of one house (docs/conventions.md)."""
+    """The files of one house that the page shows (docs/conventions.md)."""
 
     table: str | Path
     masks: str | Path | None = None
     cameras: str | Path | None = None
-    #: Of a plan that was a picture.
+    #: Only for a plan that is a picture.
     overlay: str | Path | None = None
     doubts: str | Path | None = None
 
@@ -89,16 +89,17 @@ def write_doubts(
 ) -> list[str]:
     """Write the page, which needs no network; return its lines of doubt.
 
-    Rooms of photos that were not told can be chosen there, and the table saved.
+    On the page, the user can choose rooms of photos that the photo table leaves open, and save the
+    table.
 
     Parameters
     ----------
     output : path
         The page.
     photo_folder : path
-        Where the photos of the table lie; one that is missing is named without a picture.
+        Folder of the photos in the table; a photo that is missing is named without a picture.
     files : DoubtFiles
-        What the stages wrote.
+        Outputs of the stages.
     house : House
         The plan.
     """
@@ -150,9 +151,9 @@ def doubt_lines(
     left_out: Sequence[str],
     traced: Sequence[str],
 ) -> Iterator[str]:
-    """Yield what is not sure, the gravest first.
+    """Yield a line for each doubt, the most serious first.
 
-    `left_out` are the warnings of the masks stage, `traced` the lines of a plan's tracing.
+    `left_out` are the warnings of the masks stage, `traced` the doubts of tracing the plan.
     """
     labels = house.labels
     lost = [row.name for row in placed if not row.room_id]
@@ -188,7 +189,7 @@ def doubt_lines(
 
 
 def _linked(line: str, house: House) -> str:
-    """Return a line as HTML; rooms that it names lead to their places in the plan."""
+    """Return a line as HTML; names of rooms become links to the rooms in the plan."""
     labels = house.labels
     rooms = {label: room for room, label in labels.items()} | {room: room for room in labels}
     longest = "|".join(re.escape(word) for word in sorted(rooms, key=len, reverse=True))
@@ -214,7 +215,7 @@ def _room_section(house: House, room: Room, placed: Sequence[PlacedPhoto], folde
 
 
 def _cards(rows: Sequence[PlacedPhoto], folder: Path, house: House) -> str:
-    """Return the HTML of photos side by side."""
+    """Return the HTML of photos, side by side."""
     return "".join(
         f"<figure>{_thumbnail(folder / row.name)}<figcaption>{html.escape(row.name)}"
         f"{_sure(row)}{_choice(row, house)}</figcaption></figure>"
@@ -232,7 +233,7 @@ def _sure(row: PlacedPhoto) -> str:
 
 
 def _choice(row: PlacedPhoto, house: House) -> str:
-    """Return the HTML of the rooms that a photo may be put in; nothing where the room was told."""
+    """Return the HTML of a choice of rooms for a photo; empty if the photo table gives the room."""
     if row.room_id and row.probability is None:
         return ""
     first = "" if row.unused else row.room_id
@@ -251,7 +252,7 @@ def _choice(row: PlacedPhoto, house: House) -> str:
 
 
 def _thumbnail(path: Path) -> str:
-    """Return a photo as an HTML image; nothing for one that can't be read."""
+    """Return a photo as an HTML image; empty if it can't be read."""
     try:
         image, _ = read_reduced_image(path, _PHOTO_SIDE)
     except InputError:
@@ -260,7 +261,7 @@ def _thumbnail(path: Path) -> str:
 
 
 def _picture(path: str | Path) -> str:
-    """Return what was traced, over the picture of the plan."""
+    """Return the HTML of the overlay: the traced plan drawn over the picture of the plan."""
     source = _jpeg(read_image(path), _PICTURE_SIDE, 85)
     return f'<details open><summary>As traced</summary><img src="{source}" alt="Plan"></details>'
 
@@ -276,7 +277,7 @@ def _jpeg(image: np.ndarray, side: int, quality: int) -> str:
 
 
 def _plan(house: House, level: str, eyes: Mapping[str, tuple[str, float, float]]) -> str:
-    """Return a storey as SVG: its rooms, and where located photos were taken (room, x, z)."""
+    """Return a storey as SVG: its rooms, and the camera positions `eyes`, (room, x, z) by photo."""
     points = np.array([point for room in house.rooms for point in room.rings[0]])
     low, high = points.min(axis=0) - 0.3, points.max(axis=0) + 0.3
     shapes, labels = [], []
@@ -288,7 +289,7 @@ def _plan(house: House, level: str, eyes: Mapping[str, tuple[str, float, float]]
         polygon, title = room_polygon(room), room.name or room.id
         spot = polygon.representative_point()
         left, _, right, _ = polygon.bounds
-        letters = min(_LETTERS, 1.6 * (right - left) / len(title))  # .6 as wide as high
+        letters = min(_LETTERS, 1.6 * (right - left) / len(title))  # a letter's width is .6 of it
         shapes.append(
             f'<a href="#room-{name}" aria-label="{html.escape(title)}">'
             f'<path id="plan-{name}" d="{path}"/></a>'

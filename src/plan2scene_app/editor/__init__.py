@@ -1,1 +1,1 @@
-"""The plan editor: one offline page that draws plans and assigns photos to rooms."""
+"""The plan editor: an offline page in which plans are drawn and photos are assigned to rooms."""

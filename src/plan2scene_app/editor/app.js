@@ -1,4 +1,4 @@
-// The editor: joins document, drawing, tools and panel, and listens to pointer and keys.
+// The editor: connects document, drawing, tools and panel, and handles pointer and keys.
 
 import { entryId, newPlan, readTable, roomCalled, Store, withoutRoom } from "./document.js";
 import { ask, button, el, field, isPicture, readFile, readPicture } from "./dom.js";
@@ -19,7 +19,7 @@ const PICTURE_SIDE = 2400; // pixels
 export class App {
   selection = null; dropRoom = null; problems = []; walls = []; thumbs = new Map(); refused = new Map(); picture = null; feet = false; notes = [];
 
-  /** `start` is {house, plan, photos, picture, notes}; `host` saves (files.js; the studio's own). */
+  /** `start` is {house, plan, photos, picture, notes}; `host` loads and saves (files.js or studio/server.js). */
   constructor(rules, start, host, page) {
     Object.assign(this, { rules, host, page, house: start.house, notes: start.notes ?? [] });
     const plan = start.plan ?? newPlan(rules);
@@ -34,7 +34,7 @@ export class App {
     this.toolButtons();
     this.listen();
     listenToDrops(this, page.svg);
-    let shown = 0; // a phone that is turned, a window much narrower: the plan stays in view
+    let shown = 0; // last width: after a large change (a turned phone) the plan is fitted again
     new ResizeObserver(() => {
       const width = page.svg.clientWidth, turned = width && shown && Math.abs(width / shown - 1) > 0.25;
       shown = width || shown;
@@ -45,7 +45,7 @@ export class App {
     if (!plan.rooms.length) this.setTool(this.picture ? "scale" : "room");
   }
 
-  /** Where a new picture lies: of unknown scale it is 12 m wide. */
+  /** Place of a new picture; if its scale is not known, it is 12 m wide. */
   placed(picture) {
     return { x: picture.x ?? 0, z: picture.z ?? 0, metres_per_pixel: picture.metres_per_pixel ?? 12 / picture.width, opacity: 0.6, visible: true };
   }
@@ -73,7 +73,7 @@ export class App {
     this.view.render({ state: { ...this.store.state, plan: this.store.plan }, below: below && sliceOf(this.store.state.plan, below.id), levels, limits: this.rules.limits, walls: this.walls, problems: this.problems, selection: this.selection, picture, feet: this.feet });
     this.drawOverlay();
   }
-  /** Draw anew what only the pointer changes. */
+  /** Draw only the overlay again, which changes with the pointer. */
   refresh() { this.view.overlay.replaceChildren(); this.drawOverlay(); }
   drawOverlay() {
     if (this.tool.name !== "select") this.tools[0].draw(this.view);
@@ -158,7 +158,7 @@ export class App {
     this.setTool(rooms ? "select" : "room");
   }
 
-  /** What is asked about a length that was typed for a drawn one, as nodes; null where it is clear. */
+  /** A question, as nodes, about a length typed for a drawn one that may have another unit; null if it is clear. */
   doubtLength(form, drawn) {
     const input = form.elements.namedItem("length"), text = input.value.trim(), length = readLength(text, this.feet);
     if (!(length > 0)) return [`A length such as ${lengthText(3.2, this.feet)}, not ${text}`];
@@ -170,7 +170,7 @@ export class App {
     return [`${text} of what? In ${this.feet ? "feet" : "metres"} the whole would be ${lengthText(wide, this.feet)} wide. `, ...(this.feet ? ["in", "ft"] : ["mm", "cm", "m"]).map((unit) => button(`${text} ${unit}`, () => take(unit)))];
   }
 
-  /** Put a picture underneath; where the host has traced it and nothing is drawn yet, its plan over it. */
+  /** Put a picture under the plan; if the host has traced it and nothing is drawn yet, show the traced plan. */
   async openPicture(file) {
     this.say(`Reading ${file.name}\u2026`);
     let found;
@@ -252,14 +252,14 @@ export class App {
     document.addEventListener("keyup", (event) => { if (event.key === " ") this.space = false; });
     window.addEventListener("beforeunload", (event) => { if (this.store.unsaved) event.preventDefault(); });
   }
-  /** Act on a key; returns whether it was used. */
+  /** Handle a key; returns whether it was used. */
   keydown(event) {
     const key = event.key.toLowerCase();
     if (document.querySelector("dialog[open]")) return false;
     if (/^(INPUT|SELECT)$/.test(event.target.tagName)) {
       const done = key === "enter" || key === "escape" || ((event.ctrlKey || event.metaKey) && key === "s");
       if (!done) return false;
-      this.view.svg.focus(); // what was typed counts from here on
+      this.view.svg.focus(); // further keys go to the drawing
     }
     if (event.ctrlKey || event.metaKey) {
       if (key === "z") return event.shiftKey ? this.store.redo() : this.store.undo(), true;
@@ -282,7 +282,7 @@ export class App {
   }
 }
 
-/** A plan with all that the reader takes for granted: heights, thickness, ids of openings and stairs; "heights" says so where none was told. */
+/** A plan with the reader's defaults: heights ("usual" if the plan gives none), wall thickness, ids. */
 export function completed(plan, { limits }) {
   const heights = new Map((plan.levels ?? []).map((level) => [level.id, level.height ?? limits.default_height]));
   const rooms = plan.rooms.map((room) => ({ ...room, height: room.height ?? heights.get(room.level) ?? limits.default_height }));

@@ -1,5 +1,5 @@
-// The document: plan, photo table and place of the picture; every change makes a new state, so
-// that undo is going back to an old one. Nothing in a state is ever changed in place.
+// The document: plan, photo table and place of the picture. Every change makes a new state, and undo
+// goes back to an old one. A state is never changed in place.
 
 import { freeId, levelsOf, merged, sliceOf } from "./storeys.js";
 
@@ -7,7 +7,7 @@ export function newPlan(rules) {
   return { format: rules.format, version: 1, wall_depth: rules.limits.default_depth, heights: "usual", rooms: [], openings: [] };
 }
 
-/** Holds the states and tells who listens. */
+/** Holds the states and notifies listeners. */
 export class Store {
   #states; #at = 0; #saved; #listeners = []; #merge = ""; #level = null; #slice = {};
 
@@ -20,7 +20,7 @@ export class Store {
   /** The id of the floor that is shown; null in a plan without floors. */
   get level() { return this.#level; }
   get floor() { return levelsOf(this.state.plan).find((level) => level.id === this.#level) ?? null; }
-  /** The plan of the floor that is shown: what tools draw on. The whole is `state.plan`. */
+  /** The plan of the shown floor, on which tools draw. The whole plan is `state.plan`. */
   get plan() {
     const { plan } = this.state;
     if (this.#slice.of !== plan || this.#slice.level !== this.#level) this.#slice = { of: plan, level: this.#level, plan: sliceOf(plan, this.#level) };
@@ -30,7 +30,7 @@ export class Store {
     this.#level = level;
     this.#tell();
   }
-  /** A floor that is gone is not shown any more: the one nearest to 0 is. */
+  /** If the shown floor no longer exists, show the floor nearest to elevation 0. */
   #keepLevel() {
     const levels = levelsOf(this.state.plan);
     if (levels.some((level) => level.id === this.#level)) return;
@@ -46,12 +46,12 @@ export class Store {
     for (const listener of this.#listeners) listener();
   }
 
-  /** Go to a changed state, its `plan` that of the floor that is shown; see `changeWhole`. */
+  /** As `changeWhole`, but `changes.plan` is only the plan of the shown floor. */
   change(changes, merge = "") {
     const whole = changes.plan ? { ...changes, plan: merged(this.state.plan, changes.plan, this.#level) } : changes;
     this.changeWhole(whole, merge);
   }
-  /** Go to a changed state; changes with the same `merge` name in a row are one step of undo. */
+  /** Go to a changed state; successive changes with the same `merge` name are one step of undo. */
   changeWhole(changes, merge = "") {
     const state = { ...this.state, ...changes };
     const before = merge && merge === this.#merge && this.#at > 0 ? this.#at : this.#at + 1;
@@ -62,13 +62,13 @@ export class Store {
   }
   changePlan(changes, merge = "") { this.change({ plan: { ...this.plan, ...changes } }, merge); }
 
-  /** Changes made from now on are a step of their own. */
+  /** The next change begins a new step of undo. */
   endStep() { this.#merge = ""; }
   undo() { if (this.canUndo) { this.#at--; this.#merge = ""; this.#tell(); } }
   redo() { if (this.canRedo) { this.#at++; this.#merge = ""; this.#tell(); } }
   markSaved(state = this.state) { this.#saved = state; this.#tell(); }
 
-  /** Another document altogether: no way back to the old one but `undo`. */
+  /** Open another document; only `undo` brings the old one back. */
   open(state) { this.changeWhole(state); this.markSaved(); }
 }
 
@@ -76,16 +76,16 @@ export const entryId = (entry, k, name) => entry.id ?? `${name}_${k}`;
 
 const WRITTEN = { æ: "ae", œ: "oe", ø: "o", ł: "l", đ: "d", ð: "d", þ: "th", ß: "ss", ı: "i", Æ: "Ae", Œ: "Oe", Ø: "O", Ł: "L", Đ: "D", Ð: "D", Þ: "Th" };
 
-/** Letters of an id: what is typed, made fit to name files; `otherwise` for another script. */
+/** An id, fit for file names, made from a typed text; `otherwise` for a text in another script. */
 export function fitId(text, otherwise = "room") {
   const id = text.replace(/[^\x00-\x7f]/g, (letter) => WRITTEN[letter] ?? letter).normalize("NFKD").replace(/[\u0300-\u036f]/g, "").replace(/[^A-Za-z0-9_.-]+/g, "_").replace(/^[._-]+|_+$/g, "").slice(0, 60);
   return (/[A-Za-z]/.test(id) || !/\p{L}/u.test(text)) && id ? id : otherwise;
 }
 
-/** What tells a room from the others: its name, else its id. */
+/** A room's label: its name, or else its id. */
 export const labelOf = (room) => room.name || room.id;
 
-/** The id of the room that a text names by its id, else by its name; the text where none does. */
+/** The id of the room that has a text as its id or, uniquely, as its name; the text itself if there is none. */
 export function roomCalled(rooms, text) {
   const plain = (name) => name.normalize("NFKC").toLowerCase().trim().replace(/\s+/g, " ");
   const named = rooms.filter((room) => room.name && plain(room.name) === plain(text));
@@ -109,7 +109,7 @@ export function renameRoom(state, from, name) {
   };
 }
 
-/** How high a new room is: as the last one of the floor, else as the floor. */
+/** Height of a new room: that of the floor's last room, or else of the floor. */
 export const usualHeight = (store, rules) => store.plan.rooms.at(-1)?.height ?? store.floor?.height ?? rules.limits.default_height;
 
 export function withoutRoom(state, id) {
@@ -119,23 +119,23 @@ export function withoutRoom(state, id) {
   };
 }
 
-/** The plan as its file holds it. */
+/** The text of the plan's file. */
 export const planText = (plan) => JSON.stringify(plan, null, 1).replace(/\[\s+(-?[\d.e+-]+),\s+(-?[\d.e+-]+)\s+\]/g, "[$1, $2]") + "\n";
 
-/** The photo table as its file holds it. */
+/** The text of the photo table's file. */
 export function tableText(photos) {
   const cell = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
   const rows = photos.flatMap((photo) => (photo.rooms.length ? photo.rooms : [""]).map((room) => `${cell(room)},${cell(photo.name)}`));
   return ["room_id,photo", ...rows].join("\n") + "\n";
 }
 
-/** Rows of a photo table as photos; throws a line where it is none. */
+/** The photos in the text of a photo table; throws an error if it is not one. */
 export function readTable(text) {
   const rows = text.replace(/^\ufeff/, "").split(/\r?\n/).filter((line) => line.trim())
     .map((line) => [...line.matchAll(/("(?:[^"]|"")*"|[^,]*)(,|$)/g)].map((m) => m[1].replace(/^"|"$/g, "").replaceAll('""', '"').trim()));
   if (!rows.length) return [];
   const room = rows[0].findIndex((name) => name === "room_id" || name === "roomId"), photo = rows[0].indexOf("photo");
-  const guess = rows[0].indexOf("guess");  // a room that it repeats is not told
+  const guess = rows[0].indexOf("guess");  // a room that equals it is only a guess
   if (photo < 0) throw new Error("expected the columns room_id and photo in the table");
   const photos = new Map();
   for (const row of rows.slice(1)) {

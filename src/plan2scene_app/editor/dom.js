@@ -1,4 +1,4 @@
-// Elements of the page, made without markup: text stays text.
+// Functions that make elements of the page without HTML markup, so that text is never parsed.
 
 /** A new HTML element; `on...` properties are listeners, `data-...` and `aria-...` attributes. */
 export function el(name, properties = {}, ...children) {
@@ -14,16 +14,16 @@ export function el(name, properties = {}, ...children) {
 
 export const button = (text, onclick, properties = {}) => el("button", { type: "button", onclick, ...properties }, text);
 
-/** A labelled field; `key` keeps the focus when the panel is made anew. */
+/** A labelled field; `key` identifies it, so that it keeps the focus when the panel is rebuilt. */
 export function field(label, key, value, onchange, properties = {}) {
   const input = el("input", { defaultValue: value, autocomplete: "off", spellcheck: false, "data-key": key, onchange: (event) => onchange(event.target.value, event.target), ...properties });
   return el("label", { className: "field" }, el("span", {}, label), input);
 }
 
-/** Show a dialog with a form; resolves to its data, or null when it is closed.
+/** Show a dialog with a form; resolves to its data, or to null when it is closed.
  *
- * `check` looks at the form and gives what is shown of its faults, as nodes; null sends it. `other` is
- * a second answer: {text, value}, to which it resolves.
+ * `check` takes the form and returns its errors as nodes to show, or null to accept it. `other` is a
+ * second button {text, value}; the promise resolves to its value.
  */
 export function ask(title, children, confirm = "OK", { check, other } = {}) {
   return new Promise((resolve) => {

@@ -20,7 +20,7 @@ function isCut({ from, to }, line) {
 
 const rectangle = (a, b) => [a, [b[0], a[1]], b, [a[0], b[1]]].map(roundPoint);
 
-/** What tools that draw share: a snapped pointer, and text typed while drawing. */
+/** Base of all tools that draw: a snapped pointer, and text typed while drawing. */
 export class DrawingTool {
   pointer = null; typed = "";
 
@@ -31,7 +31,7 @@ export class DrawingTool {
     this.pointer = snap(p, { rooms: this.rooms, scale: view.scale, from, points, free: event.altKey });
     return this.pointer.point;
   }
-  /** Collect what is typed; returns whether the key was text. */
+  /** Collect typed text; returns whether the key was used. */
   type(event) {
     if (event.key === "Backspace" && this.typed) this.typed = this.typed.slice(0, -1);
     else if (/^[\d.,x*'" ]$|^[mcft]$/i.test(event.key) && (this.typed || /^[\d.,]$/.test(event.key))) this.typed += event.key;
@@ -90,7 +90,7 @@ export class RoomTool extends DrawingTool {
     }
     return this.type(event);
   }
-  /** Right of all rooms, level with the topmost. */
+  /** A place to the right of all rooms, at the height of the topmost one. */
   freePlace() {
     const corners = this.rooms.flatMap((room) => room.polygon);
     return corners.length ? [Math.max(...corners.map((c) => c[0])), Math.min(...corners.map((c) => c[1]))] : [0, 0];

@@ -1,4 +1,4 @@
-"""The editor's page: its program, style, rules and what it opens in one file without requests."""
+"""The editor's page: program, style, rules and the opened plan in one file without requests."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ from plan2scene_app.plan_writer import house_to_plan
 from plan2scene_app.tracing.picture import read_plan_picture
 
 FOLDER = Path(__file__).parent
-#: Pictures of plans are reduced to this many pixels of the longer side.
+#: Longer side, in pixels, to which pictures of plans are reduced.
 PICTURE_SIDE = 2400
-#: What to do about a scale that is a guess.
+#: Advice shown when the scale is only a guess.
 _BY_HAND = "press S and click two points whose distance you know"
-#: What pages begin with, so that no other file is overwritten.
+#: Name of this command in the head of its pages; no file without it is overwritten.
 _MAKER = "plan2scene edit"
 _IMPORT = re.compile(r'^import (?:\{[^}]*\} from )?"\./(\w+)\.js";\n', re.MULTILINE)
 
@@ -45,7 +45,7 @@ def write_editor(
     dxf_layers: Mapping[str, str] | None = None,
     trace: bool = True,
 ) -> None:
-    """Write the page that edits a plan of any format, draws over a picture, or starts empty.
+    """Write the editor's page: with a plan of any format, a picture to draw over, or empty.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def write_editor(
     dxf_layers : mapping of str to str, optional
         Layers of a DXF drawing (docs/floorplans.md).
     trace : bool
-        Whether a picture is traced, and the plan drawn over it to be corrected.
+        Whether a picture is traced: the page then shows the traced plan over it, to be corrected.
     """
     if output.is_file() and f'content="{_MAKER}"'.encode() not in output.read_bytes()[:2000]:
         raise InputError("an --out that is no other file", "a file of yours", file=output)
@@ -81,8 +81,9 @@ def opened(
 ) -> dict[str, Any]:
     """Return what the page starts with: ``plan``, ``picture``, ``notes`` (warnings, doubts).
 
-    Of a picture also ``scale``: the traced plan's ``size`` in the file's pixels (width, depth),
-    the ``doubt`` where its scale is a guess, and ``shown``, pixels of the file for one shown.
+    For a picture there is also ``scale``: the ``size`` of the traced plan in pixels of the file
+    (width, depth), ``doubt`` (not empty if the scale is a guess), and ``shown``, the number of
+    pixels of the file for each pixel on the page.
     """
     if not source.is_file():
         raise InputError("a plan or a picture of one", "no such file", file=source)
@@ -99,7 +100,7 @@ def opened(
 
 
 def _traced(source: Path, metres_per_pixel: float | None) -> dict[str, Any]:
-    """Return the plan that a picture shows, with the picture straight underneath."""
+    """Return the plan traced from a picture, and the picture, straightened, to lie under it."""
     import cv2
 
     read_plan_picture(source)  # refuses an empty page before torch is imported
@@ -107,7 +108,7 @@ def _traced(source: Path, metres_per_pixel: float | None) -> dict[str, Any]:
     from plan2scene_app.tracing.trace import doubts, plan_document, plan_origin, trace_picture
 
     traced = trace_picture(source, metres_per_pixel=metres_per_pixel)
-    # As fine as the picture was, within what a page holds.
+    # Keep the picture's resolution, up to `PICTURE_SIDE`.
     zoom = min(1 / traced.frame.zoom, PICTURE_SIDE / max(traced.frame.image.shape[:2]))
     height, width = (round(zoom * side) for side in traced.frame.image.shape[:2])
     pixels = cv2.warpAffine(
@@ -133,13 +134,13 @@ def _traced(source: Path, metres_per_pixel: float | None) -> dict[str, Any]:
 
 
 def _size(plan: Mapping[str, Any], metres: float) -> list[float]:
-    """Return width and depth of a plan's rooms in pixels that are so many metres."""
+    """Return the width and depth of a plan's rooms in pixels of `metres` each."""
     points = np.concatenate([np.asarray(room["polygon"]) for room in plan["rooms"]])
     return [float(side) / metres for side in np.ptp(points, axis=0)]
 
 
 def _untraced(path: Path, metres_per_pixel: float | None) -> dict[str, Any]:
-    """Return a picture alone, as :func:`opened` does."""
+    """Return a picture that is not traced, in the form of :func:`opened`."""
     sizes: list[int] = []
 
     def reduced(image: Any) -> Any:
@@ -156,14 +157,14 @@ def _untraced(path: Path, metres_per_pixel: float | None) -> dict[str, Any]:
 
 
 def _page_picture(pixels: np.ndarray) -> dict[str, Any]:
-    """Return (h, w, 3) uint8 sRGB as the page holds a picture: data URL and size in pixels."""
+    """Return (h, w, 3) uint8 sRGB in the page's form: data URL, and width and height in pixels."""
     data = base64.b64encode(png_bytes(pixels)).decode("ascii")
     height, width = pixels.shape[:2]
     return {"url": f"data:image/png;base64,{data}", "width": width, "height": height}
 
 
 def picture_bytes(picture: dict[str, Any]) -> bytes:
-    """Return the PNG of a picture that :func:`opened` gave."""
+    """Return the PNG bytes of a picture in the form of :func:`opened`."""
     return base64.b64decode(picture["url"].partition(",")[2])
 
 
@@ -187,10 +188,10 @@ def editor_page(start: dict[str, Any]) -> str:
 
 
 def joined_program(entry: str, folders: Sequence[Path] = (FOLDER,)) -> str:
-    """Return a module of the page and all that it imports, found in `folders`, as one module.
+    """Join a JavaScript module and everything it imports, found in `folders`, into one module.
 
-    Imports and the word ``export`` are taken out; no two modules have a name in common (a browser
-    would say so of the whole).
+    Imports and the word ``export`` are removed. No two modules may define the same name; a browser
+    would report that as an error of the joined module.
     """
     texts: dict[str, str] = {}
     needs: dict[str, list[str]] = {}
@@ -206,17 +207,17 @@ def joined_program(entry: str, folders: Sequence[Path] = (FOLDER,)) -> str:
     return "\n".join(texts[name] for name in TopologicalSorter(needs).static_order())
 
 
-#: Width in metres of an opening that a click makes.
+#: Default width in metres of an opening that a click makes.
 WIDTHS = {"door": 0.9, "window": 1.2, "passage": 1.2}
-#: Width in metres of a flight of stairs that is drawn.
+#: Default width in metres of a flight of stairs that is drawn in the editor.
 FLIGHT = 0.9
 
 
 def page_rules() -> dict[str, Any]:
     """Return the rules that ``rules.js`` follows, as plain JSON.
 
-    Lengths are metres, areas square metres, angles radians. Every value is the reader's own, so
-    that the page and ``plan2scene run`` agree.
+    Lengths are metres, areas square metres, angles radians. Every limit is taken from the reader of
+    plans, so that the page and ``plan2scene run`` agree.
     """
     return {
         "schema": plan_json.plan_schema(),
@@ -234,7 +235,7 @@ def page_rules() -> dict[str, Any]:
 
 
 def _limits() -> dict[str, Any]:
-    """Return the limits of the reader's checks."""
+    """Return the limits that the reader of plans checks."""
     return {
         "default_height": plan_json.DEFAULT_HEIGHT,
         "default_depth": plan_json.DEFAULT_DEPTH,

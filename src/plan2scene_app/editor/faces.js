@@ -1,9 +1,9 @@
-// Drawn lines of walls become rooms: faces of all walls that the new line bounds.
+// Turns drawn lines of walls into rooms: the faces, among all walls, that the new line bounds.
 
 import { add, crossing, cross, dist, dot, edgesOf, inside, labelPoint, nearestOn, ringsOf, roundPoint, signedArea, sub, times, unit } from "./geometry.js";
 
 /**
- * Rooms after a line of walls was drawn.
+ * The changes of rooms after a line of walls was drawn.
  * Returns {made: [polygon rings], split: Map(room -> [polygons, largest first])}.
  */
 export function drawnRooms(rooms, line, tolerance) {
@@ -29,7 +29,7 @@ export function drawnRooms(rooms, line, tolerance) {
 
 const onLine = ([p, q], a, b, tolerance) => [a, b].every((c) => nearestOn(p, q, c).distance <= tolerance);
 
-/** Segments cut where they cross or touch; nodes are points at least `tolerance` apart. */
+/** Segments split where they cross or touch each other; nodes are points at least `tolerance` apart. */
 function cutAll(segments, tolerance) {
   const nodes = [];
   const nodeOf = (p) => {
@@ -52,7 +52,7 @@ function cutAll(segments, tolerance) {
   return { nodes, edges: [...edges].map((e) => e.split(",").map(Number)) };
 }
 
-/** The rings around every bounded face, loose ends left out. */
+/** The ring around every bounded face, without loose ends. */
 function facesOf({ nodes, edges }) {
   const around = new Map(nodes.map((_, k) => [k, new Set()]));
   for (const [a, b] of edges) { around.get(a).add(b); around.get(b).add(a); }

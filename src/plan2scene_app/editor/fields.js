@@ -1,11 +1,11 @@
-// What the panel's parts are made of: sections, fields for lengths.
+// Elements of the panel: sections and fields for lengths.
 
 import { el, field } from "./dom.js";
 import { lengthText, readLength } from "./units.js";
 
 export const section = (title, ...children) => el("section", {}, el("h2", {}, title), ...children);
 
-/** A field for a length; what is no length is refused with a line. */
+/** A field for a length; text that is not a length is refused with a message. */
 export function lengthField(app, label, key, value, change) {
   return field(label, key, lengthText(value, app.feet), (text, input) => {
     const metres = readLength(text, app.feet);

@@ -1,11 +1,11 @@
-// The page alone: plans and tables are saved as downloads and opened from files.
+// The host of a page without a server: plans and tables are opened from files and saved as downloads.
 
 import { planText, tableText } from "./document.js";
 import { ask, download, el } from "./dom.js";
 
-const DELAY = 800; // milliseconds from a change to its keeping
+const DELAY = 800; // milliseconds from a change until the draft is stored
 
-/** Name under which a browser keeps what is not saved: that of the page's own beginning. */
+/** Key of unsaved changes in the browser's storage: a hash of the data with which the page began. */
 async function draftName(start) {
   const bytes = new TextEncoder().encode(JSON.stringify([start.house, start.plan, start.picture?.url?.length]));
   const digest = await crypto.subtle?.digest("SHA-256", bytes);
@@ -15,7 +15,7 @@ async function draftName(start) {
 export class Files {
   #name = null; #timer = 0;
 
-  /** Keep changes in the browser until they are saved, and offer what an earlier page left. */
+  /** Store unsaved changes in the browser, and offer to restore those of an earlier visit. */
   async keepDrafts(app, start) {
     try { this.#name = await draftName(start); } catch { return; }
     const left = this.#name && localStorage.getItem(this.#name);
@@ -34,11 +34,11 @@ export class Files {
       try {
         if (app.store.unsaved) localStorage.setItem(this.#name, JSON.stringify(app.store.state));
         else localStorage.removeItem(this.#name);
-      } catch { /* a browser without room or leave to keep anything */ }
+      } catch { /* storage is full or not allowed */ }
     }, DELAY);
   }
 
-  /** Save the plan, and the photo table where there are photos. */
+  /** Save the plan and, if there are photos, the photo table. */
   async save(app) {
     const { plan, photos } = app.store.state;
     if (!plan.rooms.length) { app.say("Nothing to save yet: draw a room first"); return; }

@@ -5,7 +5,7 @@ import { lengthField, section } from "./fields.js";
 import { changedLevel, flightLength, levelsOf, riseOf, stepCount, withCopy, withFloor, withoutFloor } from "./storeys.js";
 import { lengthText, readLength } from "./units.js";
 
-/** Which floor is shown, its height, and ways to more floors. */
+/** Section for floors: the choice of the shown floor, its height, and buttons to add floors. */
 export function floorSection(app) {
   const { store, rules: { limits } } = app, whole = store.state.plan, levels = levelsOf(whole), { floor } = store;
   const go = ({ plan, level }) => {
@@ -31,7 +31,7 @@ export function floorSection(app) {
 
 const signed = (metres, feet) => `${metres < 0 ? "\u2212" : ""}${lengthText(Math.abs(metres), feet)}`;
 
-/** A field for how high a floor lies, below 0 for cellars. */
+/** A field for a floor's elevation, below 0 for cellars. */
 function elevationField(app, floor, change) {
   return field("Lies at", "elevation", signed(floor.elevation, app.feet), (text, input) => {
     const below = /^\s*[-\u2212]/.test(text), metres = readLength(text.replace(/^\s*[-\u2212+]/, ""), app.feet);
@@ -39,7 +39,7 @@ function elevationField(app, floor, change) {
   }, { inputMode: "decimal" });
 }
 
-/** A chosen flight of stairs. */
+/** Section for the selected flight of stairs. */
 export function stairsSection(app, flight) {
   const { store, rules: { limits } } = app, set = (changes) => store.changePlan({ stairs: store.plan.stairs.map((s) => (s.id === flight.id ? { ...s, ...changes } : s)) });
   const rise = riseOf(flight, levelsOf(store.state.plan), limits), steps = stepCount(rise, limits);

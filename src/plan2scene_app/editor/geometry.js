@@ -9,7 +9,7 @@ export const cross = (a, b) => a[0] * b[1] - a[1] * b[0];
 export const dist = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
 export const mid = (a, b) => [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2];
 export const unit = (a) => times(a, 1 / (Math.hypot(a[0], a[1]) || 1));
-/** A coordinate as files hold it: whole millimetres. */
+/** A coordinate rounded to whole millimetres, as in files. */
 export const round = (v) => Math.round(v * 1000) / 1000 + 0;
 export const roundPoint = (p) => p.map(round);
 
@@ -24,7 +24,7 @@ export function nearestOn(a, b, p) {
   return { point, t, distance: dist(point, p) };
 }
 
-/** Twice-signed area / 2 of a ring: above 0 one way round, below 0 the other. */
+/** Signed area of a ring; the sign tells the direction of its points. */
 export function signedArea(ring) {
   let sum = 0;
   for (const [a, b] of edgesOf(ring)) sum += cross(a, b);
@@ -43,7 +43,7 @@ export function inside(rings, [x, z]) {
   return odd;
 }
 
-/** Crossing of segments ab and cd as [t, u] (shares of both), null where they are parallel. */
+/** Crossing of the lines ab and cd as [t, u] (0 at a and c, 1 at b and d); null if they are parallel. */
 export function crossing(a, b, c, d) {
   const r = sub(b, a), s = sub(d, c);
   const det = cross(r, s);
@@ -60,7 +60,7 @@ export function touch(a, b, c, d) {
   return [[a, b, c], [a, b, d], [c, d, a], [c, d, b]].some(([p, q, r]) => nearestOn(p, q, r).distance < 1e-12);
 }
 
-/** Where a polygon's outline meets itself; null for one that doesn't. */
+/** A point where a polygon's outline meets itself; null if there is none. */
 export function selfCrossing(rings) {
   const edges = rings.flatMap((ring, r) => edgesOf(ring).map((e, k) => ({ e, r, k, n: ring.length })));
   for (let i = 0; i < edges.length; i++)
@@ -77,7 +77,7 @@ export function selfCrossing(rings) {
   return null;
 }
 
-/** Area that two polygons share: between the heights where anything turns, widths are linear. */
+/** Area of the intersection of two polygons: between the z of corners and crossings, widths are linear in z. */
 export function sharedArea(one, two) {
   const edges = [...one, ...two].flatMap(edgesOf);
   const heights = edges.map(([a]) => a[1]);
@@ -120,7 +120,7 @@ export function polygonDistance(one, two) {
   return best;
 }
 
-/** A point well inside a polygon, where its name stands: the middle of its widest stretch. */
+/** A point well inside a polygon for its label: the middle of its widest horizontal stretch. */
 export function labelPoint(rings) {
   const zs = rings[0].map((p) => p[1]);
   const low = Math.min(...zs), high = Math.max(...zs);

@@ -1,10 +1,10 @@
-// What moves with what: corners that rooms share, walls with both their sides, holes with walls.
+// Moves that keep a plan connected: shared corners, both sides of a wall, openings with their walls.
 
 import { add, cross, dist, dot, edgesOf, inside, mid, nearestOn, ringsOf, roundPoint, sub, times, unit } from "./geometry.js";
 import { withoutStraightCorners } from "./faces.js";
 import { offEdge } from "./walls.js";
 
-/** Sides of a wall are at most this far apart (metres). */
+/** Largest distance in metres between the two sides of a wall. */
 export const THICKEST = 0.45;
 
 const withRings = (room, rings) => {
@@ -12,7 +12,7 @@ const withRings = (room, rings) => {
   return rings.length > 1 ? { ...rest, polygon: rings[0], holes: rings.slice(1) } : { ...rest, polygon: rings[0] };
 };
 
-/** The plan with every corner at `from` at `to`; holes in the walls that turn keep their place. */
+/** The plan with every corner at `from` moved to `to`; openings turn with their walls. */
 export function movedCorner(plan, from, to, limits) {
   const near = (p) => dist(p, from) <= limits.shared_tolerance;
   const turned = [];
@@ -32,7 +32,7 @@ export function movedCorner(plan, from, to, limits) {
   return { ...plan, rooms, openings };
 }
 
-/** A hole on an edge that turned: as far from the end that stayed, no longer than the edge. */
+/** An opening on an edge that turned: it keeps its distance from the fixed end, if the edge is long enough. */
 function turnedOpening(opening, [a, b], [c, d], near) {
   const [stay, was, is, goal] = near(a) ? [b, a, d, c] : [a, b, c, d];
   const old = unit(sub(was, stay)), way = unit(sub(goal, is)), length = dist(is, goal);
@@ -45,9 +45,9 @@ function turnedOpening(opening, [a, b], [c, d], near) {
 }
 
 /**
- * The plan with a wall moved along its normal by `distance` metres. `edge` is a piece of wall;
- * sides of other rooms that face it within a wall's thickness move as far as it goes, and where
- * a side is longer than the piece it gets a step.
+ * The plan with a wall moved along its normal by `distance` metres. `edge` is one side of a piece of
+ * wall. Sides of other rooms that face it within `THICKEST` move with it, along the length of the
+ * piece; a side that is longer than the piece gets a step.
  */
 export function movedWall(plan, edge, distance, limits) {
   const [a, b] = edge, way = unit(sub(b, a)), normal = [-way[1], way[0]], shift = times(normal, distance);
@@ -76,7 +76,7 @@ export function movedWall(plan, edge, distance, limits) {
       ? { ...opening, from: roundPoint(add(opening.from, shift)), to: roundPoint(add(opening.to, shift)) } : opening);
   return { ...plan, rooms, openings };
 
-  /** The part of side pq that faces the piece, in the side's order; null for none. */
+  /** The part of side pq that faces the piece, in the direction of pq; null if there is none. */
   function facing(p, q) {
     const offsets = [p, q].map((c) => sub(c, a));
     if (Math.abs(cross(way, unit(sub(q, p)))) > 0.02) return null;
@@ -86,7 +86,7 @@ export function movedWall(plan, edge, distance, limits) {
     const at = (v) => add(a, add(times(way, v), times(normal, apart[0])));
     const same = Math.max(...apart.map(Math.abs)) <= tolerance;
     if (!same) {
-      // The other face of the same wall: between the two lies no room.
+      // It is the other side of the same wall only if no room lies between the two.
       const between = add(a, add(times(way, (low + high) / 2), times(normal, apart[0] / 2)));
       if (Math.abs(apart[0]) > THICKEST || plan.rooms.some((room) => inside(ringsOf(room), between))) return null;
     }
@@ -96,13 +96,13 @@ export function movedWall(plan, edge, distance, limits) {
   }
 }
 
-/** A ring out of its edges' points: moved ones shifted, kept ones where they are. */
+/** A ring made from the points of its edges: points to move are shifted, others stay. */
 function joined(edges, shift) {
   const points = [];
   edges.forEach((entries, k) => {
     for (const entry of entries) {
       if (Array.isArray(entry)) {
-        // The start of an edge that stays: where the edge before moved away from it, its end is it.
+        // Start of an edge that stays. If the edge before it was moved up to here, its end replaces the start.
         const before = edges.at(k - 1).at(-1);
         if (!before.move) points.push(entry);
       } else if (entry.move) points.push(roundPoint(add(entry.move, shift)));
@@ -113,7 +113,7 @@ function joined(edges, shift) {
   return withoutStraightCorners(ring.length >= 3 ? ring : points).map(roundPoint);
 }
 
-/** The plan with a room moved, with the holes of the walls that are its alone. */
+/** The plan with a room moved, together with the openings in walls of this room alone. */
 export function movedRoom(plan, id, shift, walls) {
   const number = plan.rooms.findIndex((room) => room.id === id);
   const own = new Set(walls.filter((w) => w.rooms.includes(number) && w.rooms.length === 1).flatMap((w) => w.openings.map((o) => o.opening)));

@@ -1,4 +1,4 @@
-// The panel on the right: what is chosen, the photos, the problems.
+// The panel on the right: the selection, the photos, the problems.
 
 import { labelOf, renameRoom, withRooms } from "./document.js";
 import { button, el, field } from "./dom.js";
@@ -10,7 +10,7 @@ import { withHeights } from "./storeys.js";
 import { areaText, lengthText } from "./units.js";
 import { nearestWall, segmentOn } from "./walls.js";
 
-/** Make the panel anew; the focus stays where it was, and what is being typed is waited for. */
+/** Rebuild the panel; the focus is kept, and while the user types in a field this waits. */
 export function renderPanel(app, panel) {
   const active = document.activeElement, key = active?.dataset?.key, top = panel.scrollTop;
   if (panel.contains(active) && active.tagName === "INPUT" && active.type === "text" && active.value !== active.defaultValue) {
@@ -131,7 +131,7 @@ function photoSection(app) {
     button("Add photos\u2026", () => app.pickPhotos(chosen), { className: "wide" }));
 }
 
-/** A line whose names of rooms and openings lead there. */
+/** A line of text in which names of rooms and openings are links to them. */
 function linked(app, line) {
   const { plan } = app.store.state, rooms = new Set(plan.rooms.map((room) => room.id)), openings = new Set(plan.openings.map((o) => o.id));
   return line.split(/([A-Za-z0-9_-]+)/).map((word) => {
@@ -140,7 +140,7 @@ function linked(app, line) {
   });
 }
 
-/** A line without ids that the drawing does not show: of openings, walls and named rooms. */
+/** A line without ids that the drawing does not show (ids of openings, walls and named rooms). */
 function inWords(app, line) {
   const { plan } = app.store.state, names = new Map([...plan.openings.map(({ id, kind }) => [id, `the ${kind}`]), ...plan.rooms.map((room) => [room.id, labelOf(room)])]);
   return line.replace(/\b(opening|holes of wall|wall|room) ([\w.-]*\w)/g, (whole, what, id) => (what.endsWith("wall") ? `${what.replace("holes", "doors and windows").replace(/wall$/, "the wall")}` : names.get(id) ?? whole))
@@ -152,7 +152,7 @@ function problemSection(app) {
   const lines = app.problems.map((problem) => el("li", { className: problem.level },
     button([el("b", {}, `${labels.get(problem.room) || problem.room || problem.opening || problem.photo || "Plan"}: `), inWords(app, `expected ${problem.expected}, found ${problem.found}`)], () => app.showProblem(problem), { className: "line" })));
   const drop = (line) => { app.notes = app.notes.filter((other) => other !== line); app.renderPanel(); };
-  const told = app.store.state.picture?.measured ? app.doubt : ""; // two points have answered it
+  const told = app.store.state.picture?.measured ? app.doubt : ""; // two points have settled the scale
   for (const line of app.notes.filter((note) => note !== told)) lines.push(el("li", { className: "note" }, el("p", { className: "line" }, linked(app, line), button("\u00d7", () => drop(line), { title: "Seen", "aria-label": `Seen: ${line}` }))));
   const text = lines.length ? "Problems" : "No problems";
   return el("section", { id: "problems", "aria-live": "polite" }, el("h2", {}, text, lines.length ? el("span", { className: "count" }, String(lines.length)) : null),

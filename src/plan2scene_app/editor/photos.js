@@ -1,11 +1,11 @@
-// Photos of rooms: dropped on rooms or added in the panel; the table of rooms and photos.
+// Photos of rooms: photos are dropped on rooms or added in the panel; checks of the photo table.
 
 import { labelOf } from "./document.js";
 import { ask, button, el, isPicture, readPicture } from "./dom.js";
 
 const THUMB = 240; // pixels
 
-/** Problems of the photo table, in the words of its reader (datasets/assignments.py). */
+/** Problems of the photo table, with the texts of its reader (datasets/assignments.py). */
 export function photoProblems(photos, rooms) {
   const found = [], stems = new Map(), known = new Set(rooms.map((room) => room.id));
   const tell = (level, expected, text, photo) => found.push({ level, expected, found: text, room: "", opening: "", photo });
@@ -21,7 +21,7 @@ export function photoProblems(photos, rooms) {
   return found;
 }
 
-/** Take photos into the document, and show that they are of a room (null: of none yet). */
+/** Add photos to the document and assign them to a room (null: to none yet). */
 export async function addPhotos(app, files, room) {
   const added = [];
   for (const file of files) {
@@ -49,7 +49,7 @@ async function thumbOf(file) {
   try { return (await readPicture(file, THUMB)).url; } catch { throw new Error(`no picture that can be read here${/\.hei[cf]$/i.test(file.name) ? " (HEIC)" : ""}: save it as JPEG`); }
 }
 
-/** Lines of the files that were not added, each with its reason; a click takes one away. */
+/** Lines for the files that were not added, each with the reason; a click removes a line. */
 export function refusedLines(app) {
   const drop = (name) => { app.refused.delete(name); app.renderPanel(); };
   return [...app.refused].map(([name, why]) => el("p", { className: "fault", role: "alert" }, el("b", {}, name), ` is not added: ${why} `,
@@ -60,7 +60,7 @@ export function setRooms(app, name, rooms) {
   app.store.change({ photos: app.store.state.photos.map((photo) => (photo.name === name ? { ...photo, rooms: [...new Set(rooms)] } : photo)) });
 }
 
-/** A card of a photo: its picture, its rooms, a way to give it one. */
+/** The card of a photo: its picture, its rooms, and a choice to add a room. */
 export function photoCard(app, photo) {
   const labels = new Map(app.store.state.plan.rooms.map((room) => [room.id, labelOf(room)]));
   const rooms = [...labels.keys()].filter((id) => !photo.rooms.includes(id)), label = (id) => labels.get(id) ?? id;
@@ -77,7 +77,7 @@ export function photoCard(app, photo) {
   return card;
 }
 
-/** Drops on the drawing: files and cards on rooms; a first picture on an empty page is the plan's. */
+/** Handle drops on the drawing: files, and photo cards on rooms. On an empty page a picture is the plan. */
 export function listenToDrops(app, target) {
   const roomAt = (event) => app.roomAt(app.view.at(event))?.id ?? null;
   target.addEventListener("dragover", (event) => {
@@ -103,12 +103,12 @@ export function listenToDrops(app, target) {
   });
 }
 
-/** Take files that came together: a plan or a picture of one, a photo table, photos. */
+/** Open files that were dropped or chosen together: a plan or its picture, a photo table, photos. */
 export async function takeFiles(app, files, room = null) {
   const isPhoto = (file) => isPicture(file) || /\.hei[cf]$/i.test(file.name);
   let photos = files.filter(isPhoto);
   const empty = () => !app.store.state.plan.rooms.length && !app.picture;
-  const isTable = (file) => /\.csv$/i.test(file.name); // its rooms are those of the plan that comes with it
+  const isTable = (file) => /\.csv$/i.test(file.name); // opened after the plan, because its rooms are the plan's
   for (const file of files.filter((one) => !isPhoto(one)).sort((a, b) => isTable(a) - isTable(b))) await app.openFile(file);
   if (empty() && photos.length) {
     const plan = photos.length === 1 ? photos[0] : await askPlan(photos);
@@ -119,7 +119,7 @@ export async function takeFiles(app, files, room = null) {
   if (photos.length) await addPhotos(app, photos, room);
 }
 
-/** Which of some pictures the plan is; undefined for none of them, null when the dialog is closed. */
+/** Ask which picture is the plan; undefined for none of them, null if the dialog is closed. */
 async function askPlan(pictures) {
   const likely = pictures.find(({ name }) => /plan|grundriss|floor|layout|piso|etage/i.test(name));
   const choice = el("select", { name: "plan", "aria-label": "Picture of the plan" }, pictures.map((file, k) => el("option", { value: k, selected: file === likely }, file.name)));

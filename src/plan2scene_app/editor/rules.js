@@ -1,6 +1,6 @@
-// What the reader of plan.json refuses and warns of, in its words. The schema, names and limits
-// are the reader's own (editor_page.py puts them into the page); tests/plan2scene_app/editor holds both to
-// the same verdicts.
+// The errors and warnings of the reader of plan.json, with the same texts. Schema, names and limits are
+// taken from the reader (editor_page.py writes them into the page); tests/plan2scene_app/editor checks that
+// both give the same results.
 
 import { checkLevel, isOnLevel, readLevels, readStairs, storeyOddities, usedLevels } from "./storey_rules.js";
 import { boundsOf, polygonArea, polygonDistance, ringsOf, selfCrossing, sharedArea } from "./geometry.js";

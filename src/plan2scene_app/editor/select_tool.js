@@ -1,4 +1,4 @@
-// The tool that chooses and moves: corners, walls, rooms, openings; and the two points of the scale.
+// The tools that select and move things (corners, walls, rooms, openings) and set the scale by two points.
 
 import { add, cross, dist, dot, edgesOf, inside, mid, nearestOn, ringsOf, roundPoint, sub, times, unit } from "./geometry.js";
 import { gridOf, snap } from "./snapping.js";
@@ -14,7 +14,7 @@ export class SelectTool {
 
   constructor(app) { this.app = app; }
 
-  /** What lies at a point: {kind: "corner" | "opening" | "wall" | "room", ...}; null for nothing. */
+  /** The thing at a point: {kind: "corner" | "opening" | "wall" | "room", ...}; null if there is none. */
   find(p) {
     const { store, view, walls, selection } = this.app, near = 9 / view.scale;
     const rooms = store.plan.rooms;
@@ -65,7 +65,7 @@ export class SelectTool {
     this.app.selection = { kind: "wall", edge: goal };
     return movedWall(before, found.edge, distance, this.app.rules.limits);
   }
-  /** A shift that lines a wall up with another corner, else one of whole grid steps. */
+  /** A wall's shift, snapped to the line of another corner, or else to the grid. */
   snappedShift(plan, [a, b], normal, distance) {
     const { scale } = this.app.view, step = gridOf(scale);
     const shifts = plan.rooms.flatMap((room) => room.polygon).map((c) => dot(sub(c, a), normal)).filter((v) => Math.abs(v) > 0.01 || Math.abs(distance) < 0.03);
@@ -153,7 +153,7 @@ export class ScaleTool {
 
   constructor(app) { this.app = app; }
   at(p, event) { return event.altKey ? p : this.straight(p); }
-  /** Level or upright with the first point, where the pointer nearly is. */
+  /** The pointer, snapped to the horizontal or vertical line through the first point if it is near one. */
   straight(p) {
     const from = this.points[0];
     if (!from) return p;
@@ -166,7 +166,7 @@ export class ScaleTool {
     this.points = this.points.length > 1 ? [p] : [...this.points, this.at(p, event)];
     this.app.refresh();
   }
-  up() { if (this.points.length === 2) this.app.askScale(...this.points); } // a press would take the focus from the dialog
+  up() { if (this.points.length === 2) this.app.askScale(...this.points); } // on release, because a press would take the focus from the dialog
   move(p, event) { this.pointer = this.at(p, event); this.app.refresh(); }
   keydown() { return false; }
   cancel() { const had = this.points.length; this.points = []; return Boolean(had); }

@@ -1,18 +1,18 @@
-// Where a pointer means to be: corners, walls, lines through corners, 0/45/90 degrees, the grid.
+// Snaps a pointer to corners, walls, lines through corners, multiples of 45 degrees, or the grid.
 
 import { add, crossing, dist, dot, edgesOf, nearestOn, ringsOf, round, roundPoint, sub, times } from "./geometry.js";
 
 const WAYS = [0, 1, 2, 3].map((k) => [Math.cos((k * Math.PI) / 4), Math.sin((k * Math.PI) / 4)]);
 
-/** Grid in metres that fits a zoom (pixels a metre). */
+/** Grid step in metres that suits a zoom (pixels per metre). */
 export const gridOf = (scale) => [0.05, 0.1, 0.5, 1].find((step) => step * scale >= 7) ?? 2;
 
 /**
  * A snapped point: {point, kind, guides: [[a, b] ...]}.
  *
- * rooms   those whose corners and walls count
- * scale   pixels of a metre
- * from    the point that a line is drawn from, or null
+ * rooms   rooms whose corners and walls are used
+ * scale   pixels per metre
+ * from    the point from which a line is being drawn, or null
  * points  further corners: those of the line being drawn
  */
 export function snap(pointer, { rooms, scale, from = null, points = [], free = false }) {
@@ -50,7 +50,7 @@ function nearestEdge(edges, p, near) {
   return best;
 }
 
-/** The direction of 0, 45, 90 ... degrees from a point that a pointer is near. */
+/** The direction from `from` (a multiple of 45 degrees) to which the pointer is near; null for none. */
 function nearestRay(from, pointer, scale) {
   const offset = sub(pointer, from), length = Math.hypot(...offset);
   if (length * scale < 6) return null;
@@ -59,7 +59,7 @@ function nearestRay(from, pointer, scale) {
   return found.off <= Math.max(length * 0.09, 8 / scale) ? found : null;
 }
 
-/** On a wall: where the ray meets it, else beside a corner's line, else to the grid along it. */
+/** Snap on a wall: to its crossing with the ray, else to the line of a corner, else to a 5 cm grid along it. */
 function onWall({ edge: [a, b], point }, ray, from, corners, pointer, near) {
   if (ray) {
     const at = crossing(from, add(from, ray.way), a, b);
@@ -76,7 +76,7 @@ function onWall({ edge: [a, b], point }, ray, from, corners, pointer, near) {
   return { point: roundPoint(snapped), kind: "wall", guides: line ? [[line, snapped]] : [] };
 }
 
-/** On a ray: beside a corner's line, else a length of whole grid steps. */
+/** Snap on a ray: to the line of a corner, else to a length of whole grid steps. */
 function onRay({ way, along }, from, corners, edges, near, scale) {
   const crossings = corners.flatMap((c) => [
     { corner: c, at: crossing(from, add(from, way), c, add(c, [0, 1])) },

@@ -1,4 +1,4 @@
-// Starts the editor with what Python put into the page.
+// Starts the editor with the data that Python wrote into the page.
 
 import { App } from "./app.js";
 import { takeFiles } from "./photos.js";
@@ -6,7 +6,7 @@ import { takeFiles } from "./photos.js";
 const byId = (id) => document.getElementById(id);
 const json = (id) => JSON.parse(byId(id).textContent);
 
-/** Make the editor in the page; `host` says where things are saved. */
+/** Make the editor in the page; `host` loads and saves files. */
 export function startEditor(start, host) {
   const page = { svg: byId("drawing"), panel: byId("panel"), tools: byId("tools"), status: byId("status"), undo: byId("undo"), redo: byId("redo"), saved: byId("saved") };
   const app = new App(json("rules"), start, host, page);

@@ -1,10 +1,10 @@
-// What the reader says of floors and stairs (plans/levels.py), in its words.
+// The reader's errors and warnings about floors and stairs (plans/levels.py), with the same texts.
 
 import { dist, dot, inside, unit, sub, add, times } from "./geometry.js";
 import { levelsOf, riseOf, stepCount } from "./storeys.js";
 import { matchOf } from "./walls.js";
 
-/** The floors, the lowest first; two of one id or nearly one height are faults. */
+/** The floors, the lowest first; errors if two have the same id or nearly the same elevation. */
 export function readLevels(plan, limits, fault) {
   const levels = levelsOf(plan).map((level) => ({ ...level, height: level.height ?? limits.default_height }));
   for (let k = 1; k < levels.length; k++) {
@@ -16,21 +16,21 @@ export function readLevels(plan, limits, fault) {
   return levels;
 }
 
-/** Tell what is on no floor, or names one where there is none. */
+/** Error if an entry names no floor of the plan, or names one in a plan without floors. */
 export function checkLevel(entry, levels, what, fault) {
   const ids = levels.map((level) => level.id), named = entry.level;
   if (ids.length ? ids.includes(named) : named === undefined) return;
   fault(ids.length ? `one of the levels ${ids.join(", ")} for ${what}` : `levels, for ${what}`, named === undefined ? "none" : `'${named}'`);
 }
 
-/** The floors that have rooms; the others are warned of. */
+/** The floors that have rooms; a warning for each other one. */
 export function usedLevels(levels, rooms, warn) {
   const used = new Set(rooms.map((room) => room.level));
   for (const { id } of levels) if (!used.has(id)) warn(`rooms on level ${id}`, "none; left out");
   return levels.filter((level) => used.has(level.id));
 }
 
-/** Whether an opening is one of its floor's walls; a warning where only another floor has one. */
+/** False, with a warning, if an opening lies on a wall of another floor and on none of its own. */
 export function isOnLevel(opening, own, others, limits, warn) {
   const fits = (walls) => walls.some((wall) => (matchOf(wall, opening, limits)?.distance ?? Infinity) <= limits.snap_tolerance);
   if (!others.length || fits(own) || !fits(others)) return true;
@@ -38,7 +38,7 @@ export function isOnLevel(opening, own, others, limits, warn) {
   return false;
 }
 
-/** The flights with the rooms [lower, upper] that they join; null for none. */
+/** The flights of stairs with the rooms [lower, upper] that they join (null for no room). */
 export function readStairs(plan, levels, rooms, limits, fault) {
   const seen = new Set();
   return (plan.stairs ?? []).map((entry, k) => {
@@ -67,7 +67,7 @@ function joinedRooms(flight, levels, rooms, limits) {
   return [find(flight.from, -1, flight.level), above ? find(flight.to, 1, above.id) : null];
 }
 
-/** Metres of a wall that lie in a flight's strip, which is smaller by a margin. */
+/** Length in metres of the part of a wall inside a flight's strip, which is shrunk by a margin. */
 function metresAcross(wall, flight, margin) {
   const way = unit(sub(flight.to, flight.from)), side = [-way[1], way[0]], half = flight.width / 2 - margin;
   const [a, b] = [wall.start, wall.end].map((point) => { const off = sub(point, flight.from); return [dot(off, way), dot(off, side)]; });
@@ -80,7 +80,7 @@ function metresAcross(wall, flight, margin) {
   return Math.max(high - low, 0) * dist(wall.start, wall.end);
 }
 
-/** Floors without stairs, stairs that lead nowhere, are too steep or in a wall, ceilings above a floor. */
+/** Warnings: floors without stairs; stairs to nowhere, too steep or across walls; too high ceilings. */
 export function storeyOddities(stairs, levels, rooms, walls, limits, warn) {
   const at = (id) => levels.findIndex((level) => level.id === id);
   doorsIntoTheAir(at, rooms, walls, limits, warn);
@@ -105,7 +105,7 @@ export function storeyOddities(stairs, levels, rooms, walls, limits, warn) {
   }
 }
 
-/** Tell of doors of the higher levels that no room is behind. */
+/** Warnings for doors of higher floors that have no room behind them. */
 function doorsIntoTheAir(at, rooms, walls, limits, warn) {
   const beside = new Map();
   for (const wall of walls) for (const { opening } of wall.openings) beside.set(opening, [...(beside.get(opening) ?? []), ...wall.rooms]);
@@ -116,5 +116,5 @@ function doorsIntoTheAir(at, rooms, walls, limits, warn) {
   }
 }
 
-/** A number as Python's :g writes it. */
+/** A number in the format of Python's :g. */
 const short = (value) => `${Number(value.toPrecision(6))}`;

@@ -1,24 +1,24 @@
-// Floors of a plan: what lies on one, new ones, copies; flights of stairs as strips.
+// Floors (levels) of a plan: slices, new floors, copies; the outlines of flights of stairs.
 
 import { add, dist, roundPoint, sub, times, unit } from "./geometry.js";
 
 const SLAB = 0.3; // metres from a ceiling to the floor above
 const LISTS = ["rooms", "openings", "stairs"];
 
-/** A plan whose heights are told: they are no usual ones, which photos may correct. */
+/** The plan without the mark "usual" of its heights: the user has set them, photos do not correct them. */
 export const withHeights = ({ heights, ...plan }) => plan;
 
 /** The floors, the lowest first. */
 export const levelsOf = (plan) => [...(plan.levels ?? [])].sort((a, b) => a.elevation - b.elevation);
 
-/** The plan with what lies on one floor alone; all of it where `level` is null. */
+/** The plan with only what is on one floor; the whole plan if `level` is null. */
 export function sliceOf(plan, level) {
   if (level === null) return plan;
   const own = LISTS.map((key) => [key, (plan[key] ?? []).filter((entry) => entry.level === level)]);
   return { ...plan, ...Object.fromEntries(own) };
 }
 
-/** A whole plan with another slice for one of its floors. */
+/** The whole plan with the slice of one floor replaced. */
 export function merged(plan, slice, level) {
   if (level === null) return slice;
   const whole = { ...slice, levels: plan.levels };
@@ -32,7 +32,7 @@ export function merged(plan, slice, level) {
   return whole;
 }
 
-/** A name that no entry has: name, name_2, name_3 ... */
+/** An id that no entry has: name, name_2, name_3 ... */
 export function freeId(name, entries) {
   const taken = new Set(entries.map((entry) => entry.id?.toLowerCase()));
   let id = name;
@@ -40,7 +40,7 @@ export function freeId(name, entries) {
   return id;
 }
 
-/** The plan with floors: all that is drawn is on the ground floor where there were none. */
+/** The plan with floors: if it has none, everything is put on a new ground floor. */
 function withLevels(plan, limits) {
   if (plan.levels?.length) return plan;
   const height = Math.max(0, ...plan.rooms.map((room) => room.height)) || limits.default_height;
@@ -59,7 +59,7 @@ export function withFloor(before, limits, below = false) {
   return { plan: { ...plan, levels: [...plan.levels, { id: level, name, elevation, height: beside.height }] }, level };
 }
 
-/** A plan with a copy of a floor on top: rooms, windows and inner doors; `outer` ids stay below. */
+/** A plan with a copy of a floor on top: rooms and openings, but not outer doors (ids in `outer`). */
 export function withCopy(before, limits, from, outer) {
   const { plan, level } = withFloor(before, limits), source = from ?? "ground";
   const copies = (entries, skip = () => false) => entries.reduce((all, entry) => {
@@ -70,7 +70,7 @@ export function withCopy(before, limits, from, outer) {
   return { plan: { ...plan, rooms: copies(plan.rooms), openings }, level };
 }
 
-/** A state without a floor and all that is on it; the photos stay. */
+/** A state without one floor and everything on it; photos stay, without the rooms that are gone. */
 export function withoutFloor(state, level) {
   const { plan, photos } = state, gone = new Set(plan.rooms.filter((room) => room.level === level).map((room) => room.id));
   const kept = LISTS.filter((key) => plan[key]).map((key) => [key, plan[key].filter((entry) => entry.level !== level)]);
@@ -80,7 +80,7 @@ export function withoutFloor(state, level) {
   };
 }
 
-/** A floor with other properties; rooms as high as it was follow its height. */
+/** The plan with a changed floor; rooms that had the floor's old height get the new one. */
 export function changedLevel(plan, level, changes) {
   const old = plan.levels.find((one) => one.id === level);
   const follows = (room) => room.level === level && changes.height !== undefined && room.height === old.height;
@@ -91,7 +91,7 @@ export function changedLevel(plan, level, changes) {
   };
 }
 
-/** Metres that a flight climbs: to the next floor, else to the ceiling. */
+/** Rise of a flight in metres: to the next floor, or the default height of a room on the top floor. */
 export function riseOf(flight, levels, limits) {
   const at = levels.findIndex((level) => level.id === flight.level), above = at >= 0 ? levels[at + 1] : undefined;
   return above ? above.elevation - levels[at].elevation : limits.default_height;
@@ -99,7 +99,7 @@ export function riseOf(flight, levels, limits) {
 
 export const stepCount = (rise, limits) => Math.max(2, Math.ceil(rise / limits.riser - 1e-9));
 
-/** The corners of the strip that a flight takes, from the left of its foot on. */
+/** The corners of the strip that a flight of stairs covers, beginning beside its foot. */
 export function flightRing({ from, to, width }) {
   const way = unit(sub(to, from)), side = times([way[1], -way[0]], width / 2);
   return [add(from, side), add(to, side), sub(to, side), sub(from, side)];

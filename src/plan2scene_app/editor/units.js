@@ -1,4 +1,4 @@
-// Lengths as people write them: metres, or feet and inches. The document is in metres.
+// Reads and writes lengths in metres, or in feet and inches. The document is in metres.
 
 const FOOT = 0.3048;
 

@@ -1,4 +1,4 @@
-// The drawing: an SVG of the state, redrawn whole. Metres to pixels by zoom and offset.
+// The drawing: an SVG of the state, always redrawn as a whole. Zoom and offset map metres to pixels.
 
 import { labelOf } from "./document.js";
 import { add, boundsOf, cross, dist, dot, labelPoint, mid, polygonArea, ringsOf, sub, times, unit } from "./geometry.js";
@@ -18,8 +18,8 @@ export function draw(parent, name, attributes = {}, text = null) {
 }
 
 export class View {
-  scale = 60; // pixels of a metre
-  offset = [80, 80]; // pixels of the point 0, 0
+  scale = 60; // pixels per metre
+  offset = [80, 80]; // place of the point 0, 0 in pixels
 
   constructor(svg) { this.svg = svg; }
   get size() { return [this.svg.clientWidth || 800, this.svg.clientHeight || 600]; }
@@ -85,7 +85,7 @@ export class View {
     image.style.display = place.visible ? "" : "none";
   }
 
-  /** The floor below: outlines, and the wells of the stairs that come up from it. */
+  /** Draw the floor below: outlines, and the holes for the stairs that come up from it. */
   drawBelow(plan) {
     const group = draw(this.svg, "g", { class: "below" });
     for (const room of plan.rooms) draw(group, "path", { d: ringsOf(room).map((ring) => this.path(ring)).join("") });
@@ -116,7 +116,7 @@ export class View {
     for (const wall of walls) draw(group, "path", { d: this.path([wall.start, wall.end], false) });
     if (selection?.kind === "wall") draw(this.svg, "path", { d: this.path(selection.edge, false), class: "chosen-wall", "stroke-width": width + 4 });
     const holes = draw(this.svg, "g", { class: "openings" });
-    const leaves = new Set(); // a door in walls of two rooms has one
+    const leaves = new Set(); // a door in the walls of two rooms is drawn with one leaf only
     for (const wall of walls) for (const hole of wall.openings) {
       this.drawOpening(holes, wall, hole, width, selection, !leaves.has(hole.opening.id));
       leaves.add(hole.opening.id);
@@ -125,7 +125,7 @@ export class View {
 
   drawOpening(parent, wall, { opening, start, end }, width, selection, leaf) {
     const along = unit(sub(wall.end, wall.start)), at = (v) => add(wall.start, times(along, v));
-    // A leaf swings as the opening was drawn, whichever room's wall it is in.
+    // A leaf swings to the side given by the opening's drawn direction, not by the wall's room.
     const turned = dot(sub(opening.to, opening.from), along) < 0, way = times(along, turned ? -1 : 1);
     const a = at(turned ? end : start), b = at(turned ? start : end), chosen = selection?.kind === "opening" && selection.id === opening.id;
     const group = draw(parent, "g", { class: `opening ${opening.kind}${chosen ? " chosen" : ""}`, "data-opening": opening.id ?? "" });

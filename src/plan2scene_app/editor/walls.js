@@ -1,9 +1,9 @@
-// Walls along the outlines of rooms and the openings on them, as the reader of plan.json has them
-// (floorplans/geometry.py and floorplans/openings.py).
+// Walls along the outlines of rooms and the openings on them, as the reader of plan.json makes them
+// (plans/geometry.py and plans/openings.py).
 
 import { add, cross, dist, dot, edgesOf, mid, ringsOf, sub, times, unit } from "./geometry.js";
 
-/** Rings without repeated neighbours and closing point. */
+/** A ring without repeated neighbouring points and without a closing point. */
 export function cleanRing(points, same) {
   const kept = [];
   for (const p of points) if (!kept.length || dist(p, kept.at(-1)) > same) kept.push(p);
@@ -13,7 +13,7 @@ export function cleanRing(points, same) {
 
 /**
  * Walls of rooms: {rooms: [room indices], start, end, height, openings: []}.
- * Edges are split where another room's corner lies on them; a piece of two rooms is one wall.
+ * Edges are split where another room's corner lies on them; a piece that two rooms share is one wall.
  */
 export function wallsOf(rooms, shared) {
   const corners = rooms.flatMap((room) => ringsOf(room).flat());
@@ -62,7 +62,7 @@ function addPiece(walls, start, end, room, tolerance) {
   else walls.push({ rooms: [room], start, end, openings: [] });
 }
 
-/** Where a segment falls on a wall: {start, end (metres along it, uncut), distance}, or null. */
+/** Projection of an opening on a wall: {wall, start, end (metres along it, not clipped), distance}, or null. */
 export function matchOf(wall, opening, limits) {
   const length = dist(wall.start, wall.end), way = unit(sub(wall.end, wall.start));
   const offsets = [opening.from, opening.to].map((p) => sub(p, wall.start));
@@ -74,8 +74,9 @@ export function matchOf(wall, opening, limits) {
 }
 
 /**
- * Put openings on the walls they lie on: wall.openings gets {opening, start, end}.
- * Returns what could not be placed and what was cut: {opening, nearest} and {opening, match}.
+ * Put openings on the walls on which they lie: wall.openings gets {opening, start, end}.
+ * Returns {lost, cut}: the openings without a wall, {opening, nearest}, and those that were clipped at
+ * a wall's end, {opening, match, length}.
  */
 export function placeOpenings(walls, openings, limits) {
   const lost = [], cut = [];
@@ -118,7 +119,7 @@ export function nearestWall(walls, point) {
   return best;
 }
 
-/** A segment of a width on a wall around a place along it, kept between the wall's ends. */
+/** A segment `width` long on a wall, centred at `along` metres but kept between the wall's ends. */
 export function segmentOn(wall, along, width) {
   const length = dist(wall.start, wall.end), way = unit(sub(wall.end, wall.start));
   const half = Math.min(width, length) / 2;
@@ -126,7 +127,7 @@ export function segmentOn(wall, along, width) {
   return [add(wall.start, times(way, centre - half)), add(wall.start, times(way, centre + half))];
 }
 
-/** Distance of an opening's middle from an edge that runs its way; Infinity for other edges. */
+/** Distance of an opening's middle from an edge if the opening can lie on it; otherwise Infinity. */
 export function offEdge(opening, [a, b], limits) {
   const match = matchOf({ start: a, end: b }, opening, limits);
   return match ? Math.abs(cross(unit(sub(b, a)), sub(mid(opening.from, opening.to), a))) : Infinity;

@@ -1,1 +1,1 @@
-"""A house in other people's tools: USD, simulators, IFC, occupancy maps."""
+"""Exports of a house to other programs: USD, simulators, IFC, ROS maps, plans, OBJ."""

@@ -1,10 +1,10 @@
-"""A pack for Home Assistant's card floor3d-card: OBJ with MTL, a lamp a room, the card's YAML.
+"""Export for Home Assistant's floor3d-card: OBJ with MTL, a lamp in each room, the card's YAML.
 
-As the card's documentation asks (https://github.com/adizanni/floor3d-card): the plan's corner at
-the origin, centimetres, an object for every light, a zoom on each room. Names of objects begin
-with ``lvl000`` and so on where the house has storeys, as its plugin for Sweet Home 3D writes them:
-the card cuts that off and shows a button a storey. Ceilings are left out, for one looks in from
-above. Not tried in Home Assistant.
+It follows the card's documentation (https://github.com/adizanni/floor3d-card): the house's corner
+is at the origin, lengths are centimetres, every light has an object, every room a zoom. If the
+house has storeys, names of objects begin with ``lvl000`` and so on, as the card's plugin for Sweet
+Home 3D writes them: the card removes this prefix and shows a button for each storey. Ceilings are
+left out, because the house is seen from above. Not tested in Home Assistant.
 """
 
 from __future__ import annotations
@@ -26,9 +26,10 @@ from plan2scene.mesh.texture_files import TileTexture
 from plan2scene_app.exports.obj import write_obj
 from plan2scene_app.ids import free_id
 
-#: Units of the card in a metre; half a lamp's side in metres; light of a lamp in lumens.
+#: The card's units per metre; half the side of a lamp's cube in metres; a lamp's light in lumens.
 _PER_M, _LAMP_M, _LUMENS = 100.0, 0.08, 900
-#: How far from a floor its zoom is: metres at least, and longer sides (the card sees 45 degrees).
+#: Distance of a zoom from its floor: the least in metres, and the distance as a multiple of the
+#: room's longer side (the card's field of view is 45 degrees).
 _NEAREST_M, _AWAY = 5.0, 1.5
 _HEAD = """# Copy this folder to /config/www/{house}, put the names of your lights for those below
 # and leave out what you do not have: the card takes entities that exist only.
@@ -51,7 +52,7 @@ def write_home_assistant(
 
 
 def card(house: House) -> dict[str, Any]:
-    """Return the card's configuration: a light for each room's lamp, a zoom on its floor."""
+    """Return the card's configuration: for each room a light (its lamp) and a zoom on its floor."""
     lights: set[str] = set()
     return {
         "type": "custom:floor3d-card",
@@ -91,7 +92,7 @@ def _is_ceiling(part: MeshPart) -> bool:
 
 
 def _lamp(house: House, room_id: str) -> MeshPart:
-    """Return a small cube where a room's lamp hangs."""
+    """Return a small cube at the position of a room's lamp."""
     builder = PartBuilder()
     frame = np.vstack([np.eye(3), lamp_position(house, room_id)])
     low, high = (-_LAMP_M,) * 3, (_LAMP_M,) * 3
@@ -100,7 +101,10 @@ def _lamp(house: House, room_id: str) -> MeshPart:
 
 
 def _placed(part: MeshPart, low: np.ndarray, storeys: Mapping[str, str]) -> MeshPart:
-    """Return a part in the card's units and words, the house's corner `low` (metres) at 0."""
+    """Return a part in the card's units, with its storey in its name; `low` (metres) is the origin.
+
+    The height y is not moved.
+    """
     mesh = part.mesh.copy()
     normals = np.array(part.mesh.vertex_normals)
     mesh.vertices = np.round((mesh.vertices - low * [1, 0, 1]) * _PER_M, 3)

@@ -1,7 +1,7 @@
 """A house as IFC4: storeys with spaces, walls with their openings, doors, windows, stairs.
 
-Metres; IFC's z is up: (x, y, z) of the house becomes (x, -z, y). Bodies are extruded areas, so
-that other programs can edit them. Written by ifcopenshell (the extra `exports`).
+Lengths are metres. IFC's z is up: (x, y, z) of the house becomes (x, -z, y). Bodies are extruded
+areas, so that other programs can edit them. The writer is ifcopenshell (the extra `exports`).
 """
 
 from __future__ import annotations
@@ -27,13 +27,14 @@ from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.wall_sides import Portal
 from plan2scene_app.exports.solids import SLAB, footprint, middle_strip, wall_area
 
-#: Ids of all things derive from the house's id and their names: the same house, the same file.
+#: Namespace of all ids: they derive from the house's id and names, so a house always gives the same
+#: file.
 _NAMESPACE = uuid.UUID("6f2a2f0e-7a52-4b7c-9f2b-6d1d6c0f3a11")
 _EPOCH = "1970-01-01T00:00:00"
 
 
 def write_ifc(house: House, textures: Mapping[SurfaceKey, TileTexture], folder: Path) -> None:
-    """Write ``house.ifc`` of a house into a folder; IFC takes no textures."""
+    """Write ``house.ifc`` of a house into a folder; textures are not used."""
     import ifcopenshell
     import ifcopenshell.guid
 
@@ -80,7 +81,7 @@ class _Model:
         )
 
     def _fill(self, storey: Storey, here: Any) -> None:
-        """Add all that is in a storey."""
+        """Add the contents of a storey."""
         level = storey.level
         own = f" of {level.id}" if level.id else ""
         self._place = here.ObjectPlacement
@@ -99,7 +100,7 @@ class _Model:
         )
 
     def _stairs(self, stairs: Stairs) -> Any:
-        """Return a flight: an extrusion for each step."""
+        """Return a flight of stairs with an extrusion for each step."""
         rise = self.house.rise_of(stairs)
         return self._root(
             "IfcStair",
@@ -132,7 +133,7 @@ class _Model:
         return self.file.createIfcLocalPlacement(relative, axis)
 
     def _building(self) -> Any:
-        """Add project, site and building; return the building."""
+        """Add the project, the site and the building; return the building."""
         f = self.file
         units = [
             f.createIfcSIUnit(None, kind, None, name)
@@ -185,7 +186,7 @@ class _Model:
                     PredefinedType="EXTERNAL" if room.open_air else "INTERNAL",
                 )
             )
-            if floor.is_empty:  # all of it is the well of stairs
+            if floor.is_empty:  # the whole floor is an opening for stairs
                 continue
             slabs.append(
                 self._root(
@@ -207,7 +208,7 @@ class _Model:
     def _wall(
         self, wall_id: str, area: BaseGeometry, height: float, through: list[Portal]
     ) -> list[Any]:
-        """Add a wall with its openings and what fills them; return the wall, doors, windows."""
+        """Add a wall with its openings, doors and windows; return the wall, doors and windows."""
         wall = self._root(
             "IfcWall",
             wall_id,
@@ -257,7 +258,7 @@ class _Model:
         return self._represented(self._extruded(area, low, high))
 
     def _represented(self, solids: list[Any]) -> Any:
-        """Return the shape of solids."""
+        """Return the product shape that consists of these solids."""
         shape = self.file.createIfcShapeRepresentation(self._body, "Body", "SweptSolid", solids)
         return self.file.createIfcProductDefinitionShape(None, None, [shape])
 

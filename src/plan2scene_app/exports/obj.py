@@ -1,6 +1,7 @@
 """Wavefront OBJ with MTL and texture files, for programs that do not read glTF; by trimesh.
 
-By hand are the materials: trimesh's would encode the PNG files again and know no opacity.
+This module writes the materials: those of trimesh would encode the PNG files again and have no
+opacity.
 """
 
 from __future__ import annotations
@@ -29,8 +30,9 @@ def write_obj(
 ) -> None:
     """Write ``{name}.obj`` with ``{name}.mtl`` and ``{name}_textures/*`` beside it.
 
-    Metres, y up, one object per part. OBJ's v axis runs up the image, so v is negated. Plain
-    parts have one material per vertex colour, as OBJ has no standard for vertex colours.
+    Metres, y up, one object per part and material. OBJ's v axis runs up the image, so v is negated.
+    Parts without a texture have one material per vertex colour, because vertex colours are not
+    standard in OBJ.
 
     Parameters
     ----------
@@ -39,7 +41,7 @@ def write_obj(
     path : path
         The .obj file; the MTL and textures are named after it.
     parts : sequence of MeshPart, optional
-        What is in it; all of the house without.
+        The parts to write; by default all parts of the house.
     """
     target = Path(path)
     folder = target.with_name(f"{target.stem}_textures")
@@ -62,14 +64,14 @@ def write_obj(
 
 
 class _Scene(trimesh.Scene):
-    """Meshes in order, as they are: trimesh's own dump copies them without their normals."""
+    """A scene that exports its meshes unchanged: trimesh's own dump copies them without normals."""
 
     def dump(self, concatenate: bool = False) -> list[trimesh.Trimesh]:
         return list(self.geometry.values())
 
 
 class _Material(Material):
-    """A material's lines in an MTL file."""
+    """A material, given by its lines in an MTL file."""
 
     def __init__(self, name: str, rows: Sequence[str]) -> None:
         self.name, self.rows = name, ("Ka 0 0 0", *rows, "illum 1")
@@ -79,7 +81,7 @@ class _Material(Material):
 
     @property
     def main_color(self) -> None:
-        """None: the exporter does not ask."""
+        """None: the exporter does not use it."""
 
     def to_obj(self, name: str) -> tuple[dict[str, bytes], str]:
         """Return ({file name: contents}, material name)."""
@@ -88,7 +90,7 @@ class _Material(Material):
 
 def _pieces(part: MeshPart, tile: TileTexture | None, folder: str) -> Iterator[trimesh.Trimesh]:
     """Yield a part's meshes, one per material; the first has the part's name."""
-    # Every mesh has normals and texture coordinates: trimesh counts them with the vertices.
+    # Every mesh gets normals and texture coordinates: trimesh numbers them as the vertices.
     uv = np.zeros((len(part.mesh.vertices), 2)) if part.uv is None else part.uv
     uv = (uv if tile is None or part.uv is None else tile.turns(uv)) * [1, -1]
     faces = part.mesh.faces

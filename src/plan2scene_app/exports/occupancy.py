@@ -1,9 +1,9 @@
-"""Occupancy map of each storey as ROS tools read it: ``map.pgm`` and ``map.yaml``.
+"""Occupancy map of each storey in the format of ROS: ``map.pgm`` and ``map.yaml``.
 
-They are of the lowest level; a higher one's are ``map_{level}.pgm`` and ``map_{level}.yaml``.
+These are for the lowest level; a higher level has ``map_{level}.pgm`` and ``map_{level}.yaml``.
 
-Pixels are 254 free, 0 occupied, 205 unknown, as `nav2_map_server` in its trinary mode. The map's
-x runs along the plan's x, its y along the plan's -z, so that seen from above it is not mirrored.
+Pixels are 254 free, 0 occupied, 205 unknown, as in the trinary mode of `nav2_map_server`. The map's
+x runs along the plan's x, its y along the plan's -z, so that the map is not mirrored from above.
 """
 
 from __future__ import annotations
@@ -24,24 +24,24 @@ from plan2scene_app.exports.solids import storey_solids
 
 FREE, OCCUPIED, UNKNOWN = 254, 0, 205
 RESOLUTION_M = 0.05
-#: Unknown ground around the house, metres.
+#: Width of the unknown margin around the house, metres.
 MARGIN_M = 0.5
-#: What stands between these heights is in a robot's way, metres: thresholds and lintels are not.
+#: Heights, metres, between which a solid blocks a robot: thresholds are lower, lintels higher.
 BODY_M = (0.05, 1.8)
 
 
 def occupancy(
     storey: Storey, resolution_m: float = RESOLUTION_M
 ) -> tuple[np.ndarray, tuple[float, float]]:
-    """Return a storey's map and where it lies.
+    """Return a storey's map and its position.
 
-    Doors stand open; windows and the doors that lead outside are shut. Stairs and the wells that
-    they come up through are occupied.
+    Inner doors are open; windows and doors to the outside are shut. Stairs are occupied, and so are
+    the holes in the floor through which stairs come up.
 
     Returns
     -------
     grid : (h, w) uint8
-        Row 0 is the map's far end (greatest y).
+        Row 0 has the greatest y.
     origin : (2,) tuple of float
         (x, y) of the map's lower left corner in metres; y is the plan's -z.
     """
@@ -63,7 +63,7 @@ def occupancy(
     z = z0 + (np.arange(height) + 0.5) * resolution_m
     grid = np.full((height, width), UNKNOWN, np.uint8)
     grid[shapely.contains_xy(free, *np.meshgrid(x, z))] = FREE
-    # A cell that a wall only touches is occupied as well: thin walls leave no gap.
+    # Every cell that a wall touches is occupied, so that thin walls leave no gap.
     half = resolution_m / 2
     cells = shapely.box(
         *(np.stack(np.meshgrid(x, z)) - half), *(np.stack(np.meshgrid(x, z)) + half)

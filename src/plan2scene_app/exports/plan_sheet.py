@@ -1,8 +1,8 @@
-"""The dimensioned plan as a drawing: ``plan.pdf``, a page a level, and ``plan.svg``.
+"""The dimensioned plan as a drawing: ``plan.pdf`` with a page for each level, and ``plan.svg``.
 
-Each sheet is A4 at a round scale: walls, doors with their swing and width, windows, stairs, names,
-net areas and inner sizes of rooms, the outer dimensions, a scale bar. A higher level's SVG is
-``plan_{level}.svg``.
+Each sheet is A4 at a round scale. It shows walls, doors with their swing and width, windows,
+stairs, the names, net areas and inner sizes of rooms, the outer dimensions and a scale bar.
+``plan.svg`` is the lowest level; a higher level's SVG is ``plan_{level}.svg``.
 """
 
 from __future__ import annotations
@@ -39,19 +39,19 @@ _MM = 1 / 25.4  # inches
 class SheetSettings:
     """How sheets are drawn."""
 
-    page_mm: tuple[float, float] = (297.0, 210.0)  #: A4, its longer side
-    margin_mm: float = 26.0  #: around the plan: dimensions, title and bar stand in it
+    page_mm: tuple[float, float] = (297.0, 210.0)  #: A4, the longer side first
+    margin_mm: float = 26.0  #: around the plan, for dimensions, title and scale bar
     scales: tuple[int, ...] = (50, 75, 100, 150, 200, 250, 300, 400, 500, 750, 1000)
-    dimension_mm: float = 9.0  #: from the house to its dimension lines
+    dimension_mm: float = 9.0  #: from the house to its farther dimension line, on the page
     font_pt: float = 7.0
-    same_m: float = 0.15  #: corners that are nearer along an axis are one
-    full: float = 0.97  #: share of its box from which a room is as large as that
+    same_m: float = 0.15  #: corners closer than this along an axis are one dimension point
+    full: float = 0.97  #: a room that fills more than this share of its box is a rectangle
     dark: str = "#35322e"
     light: str = "#8a857c"
 
 
 SETTINGS = SheetSettings()
-#: Texts of the SVG stay texts; its ids are the same in each run.
+#: Keep text in the SVG as text, and make its ids the same in each run.
 _STYLE = {"svg.hashsalt": "plan2scene", "svg.fonttype": "none", "font.size": SETTINGS.font_pt}
 
 
@@ -64,7 +64,7 @@ def write_plan(house: House, textures: dict[SurfaceKey, TileTexture], folder: Pa
     storeys = assemble(house).storeys
     others = {room.name: room.id.replace("_", " ") for room in house.rooms}
     shown = legible(house.title, house.id)
-    # The same house gives the same bytes.
+    # No dates and fixed ids: the same house gives the same bytes.
     with mpl.rc_context(_STYLE):
         sheets = [_sheet(storey, house.title) for storey in storeys]
         for number, (storey, sheet) in enumerate(zip(storeys, sheets, strict=True)):
@@ -72,7 +72,7 @@ def write_plan(house: House, textures: dict[SurfaceKey, TileTexture], folder: Pa
             with atomic_path(folder / name) as temporary, catch_warnings():
                 simplefilter("ignore")  # letters that this machine's font lacks
                 sheet.savefig(temporary, format="svg", metadata={"Date": None})
-        # Who opens the SVG has its letters; a PDF has those of its font.
+        # An SVG is shown with its reader's fonts; a PDF lacks letters that its own font lacks.
         for text in (text for sheet in sheets for text in sheet.axes[0].texts):
             name, _, rest = text.get_text().replace(house.title, shown).partition("\n")
             text.set_text(f"{legible(name, others.get(name, name))}\n{rest}".strip())
@@ -121,7 +121,7 @@ def _sheet(storey: Storey, title: str) -> Figure:
         axes.text(x, y, f"{steps} steps", ha="center", color=SETTINGS.light)
     for room, polygon in zip(storey.house.rooms, rooms, strict=True):
         _label(axes, room, polygon)
-    metres = scale / 1000  # of a millimetre of the page
+    metres = scale / 1000  # metres of the house per millimetre of the page
     _dimensions(axes, outline, SETTINGS.dimension_mm * metres)
     inside = [
         p.area for room, p in zip(storey.house.rooms, rooms, strict=True) if not room.open_air
@@ -131,7 +131,7 @@ def _sheet(storey: Storey, title: str) -> Figure:
 
 
 def _fill(axes: Axes, area: BaseGeometry, face: str, edge: str, width: float = 0.6) -> None:
-    """Draw an area with its holes."""
+    """Draw a polygon or several, with their holes."""
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path as Outline
 
@@ -143,7 +143,7 @@ def _fill(axes: Axes, area: BaseGeometry, face: str, edge: str, width: float = 0
 
 
 def _draw_walls(axes: Axes, storey: Storey, solid: BaseGeometry) -> None:
-    """Draw the wall bodies with their openings; a leaf swings into the portal's room."""
+    """Draw the walls with their openings; a door leaf swings into the portal's own room."""
     windows, leaves = [], []
     for portal in storey.portals:
         margin = portal.side.wall.depth / 2
@@ -176,7 +176,7 @@ def _draw_walls(axes: Axes, storey: Storey, solid: BaseGeometry) -> None:
 
 
 def _label(axes: Axes, room: Room, polygon: Polygon) -> None:
-    """Write a room's name, net area and, of a rectangle, its inner sizes."""
+    """Write a room's name, its net area and, if it is a rectangle, its inner sides."""
     place = polylabel(polygon, 0.05)
     x0, z0, x1, z1 = polygon.bounds
     lines = [room.name or room.id.replace("_", " "), f"{polygon.area:.2f} m\u00b2"]
@@ -186,7 +186,7 @@ def _label(axes: Axes, room: Room, polygon: Polygon) -> None:
 
 
 def _dimensions(axes: Axes, outline: BaseGeometry, away: float) -> None:
-    """Draw the outer dimensions above and left of a house, from corner to corner and whole."""
+    """Draw the outer dimensions above and left of a house: between corners, and the whole side."""
     x0, z0, x1, z1 = outline.bounds
     corners = get_coordinates(outline)
     for axis, (low, high) in enumerate(((x0, x1), (z0, z1))):
@@ -202,7 +202,7 @@ def _dimensions(axes: Axes, outline: BaseGeometry, away: float) -> None:
 
 
 def _chain(axes: Axes, steps: list[float], across: float, axis: int) -> None:
-    """Draw a line of dimensions along an axis with a tick at each step."""
+    """Draw a dimension line along an axis, with a tick and the distances between `steps`."""
     line = np.array([[step, across] for step in steps])[:, :: 1 if axis == 0 else -1]
     axes.plot(*line.T, color=SETTINGS.dark, linewidth=0.5, marker=(2, 0, -45), markersize=5)
     for a, b in pairwise(line):

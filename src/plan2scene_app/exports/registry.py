@@ -1,7 +1,7 @@
-"""The exports by name, and the stage that writes one.
+"""The exports by name, and the function that writes one.
 
 An export is an entry point of the group :data:`GROUP` that names an :class:`Export`. Its writer
-imports what it needs when it runs.
+imports the packages that it needs only when it runs.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     Textures = dict[SurfaceKey, TileTexture]
     Write = Callable[[House, Textures, Path], None]
 
-#: In an export's folder: what exports wrote there.
+#: File in an export's folder that lists the files that exports wrote there.
 RECORD = ".export.json"
 #: Entry points of this group name an :class:`Export`.
 GROUP = "plan2scene.exports"
@@ -31,22 +31,22 @@ GROUP = "plan2scene.exports"
 
 @dataclass(frozen=True)
 class Export:
-    """A form that other programs read.
+    """A format of houses that other programs read.
 
     Attributes
     ----------
     name : str
-        As command line and rule have it.
+        Name of the format on the command line and in the workflow.
     write : callable
         Writes the files of a house and its textures into an existing folder.
     files : tuple of str
-        What it writes, folders as ``name/``.
+        Names of the files that it writes; folders as ``name/``.
     purpose : str
-        For whom, in a few words.
+        What the format is for, in a few words.
     storey_files : tuple of str
-        What it writes for each level above the lowest, ``{level}`` for its id.
+        Names of the files for each level above the lowest; ``{level}`` is replaced by its id.
     needs : str
-        What pip installs for it beside its own package's dependencies; empty for nothing.
+        Requirement that pip must install in addition to the package's dependencies; empty for none.
     """
 
     name: str
@@ -63,7 +63,7 @@ def exports() -> dict[str, Export]:
 
 
 def export_code(name: str) -> list[str]:
-    """Return what changes when the code of an export does."""
+    """Return strings that change when the code of an export changes."""
     return code_of(GROUP, Export, name)
 
 
@@ -170,7 +170,7 @@ def export_house(
     house_id: str,
     objects: bool = True,
 ) -> list[Path]:
-    """Write a house in one form into a folder; return the files and folders written.
+    """Write a house in one format into a folder; return the files and folders written.
 
     Parameters
     ----------
@@ -179,15 +179,15 @@ def export_house(
     textures_dir : path
         A method's tiles with ``textures.json``.
     folder : path
-        Made when it is not there. What an earlier export wrote there is replaced.
+        It is made if it does not exist. Files of an earlier export in it are replaced.
     name : str
         One of :func:`exports`.
     house_id : str
     objects : bool
-        Whether the plan's fixed objects are in it.
+        Whether the export includes the plan's fixed objects.
 
-    Raises InputError for an unknown name, an unreadable plan, a package that is missing, or a
-    folder with files of the same names that no export wrote.
+    Raises InputError for an unknown name, an unreadable plan, a missing package, or a folder that
+    has files of the same names that no export wrote.
     """
     from plan2scene.mesh.texture_files import textured
     from plan2scene.plans.scene_json import read_scene_json
@@ -211,7 +211,7 @@ def export_house(
 
 
 def _contents(paths: Sequence[Path]) -> Iterator[Path]:
-    """Yield the files and links that are there among some paths, those inside folders included."""
+    """Yield the existing files and links among some paths, including those inside folders."""
     for path in paths:
         if path.is_dir() and not path.is_symlink():
             yield from _contents(sorted(path.iterdir()))
@@ -220,14 +220,14 @@ def _contents(paths: Sequence[Path]) -> Iterator[Path]:
 
 
 def _recorded(record: Path) -> set[str]:
-    """Return the files that earlier exports wrote."""
+    """Return the names of the files that earlier exports wrote."""
     content = read_json(record) if record.is_file() else {}
     names = content.get("files") if isinstance(content, dict) else None
     return {str(name) for name in names} if isinstance(names, list) else set()
 
 
 def _refuse_users_files(files: Sequence[Path], record: Path) -> None:
-    """Raise InputError where an export would replace what no export wrote."""
+    """Raise InputError if an export would replace a file that no export wrote."""
     known = _recorded(record)
     for path in _contents(files):
         if path.relative_to(record.parent).as_posix() not in known:

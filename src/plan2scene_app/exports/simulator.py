@@ -1,4 +1,4 @@
-"""A pack for simulators: a model to see, one to collide with, one of categories.
+"""Export for simulators: a textured model, a collision model and a semantic model of a house.
 
 ``house.glb`` (textured), ``collision.glb`` (convex pieces), ``semantic.glb`` (one colour an
 instance) with ``semantic.txt``, ``house.stage_config.json`` for Habitat, and ``house.xml`` for
@@ -28,19 +28,20 @@ from plan2scene.mesh.parts import MeshPart
 from plan2scene.mesh.texture_files import TileTexture
 from plan2scene_app.exports.solids import Solid, house_solids
 
-#: What the parts' kinds are called as categories.
+#: Semantic category by the kind of a part; other kinds are categories themselves.
 CATEGORIES = {
     "structure": "wall",
     "threshold": "floor",
     "passage": "door frame",
     "glass": "window",
 }
-#: Neighbours get colours far apart; odd, so that it permutes all colours (the golden ratio's).
+#: Factor that makes the colours of consecutive instances very different: 2**24 over the golden
+#: ratio. It is odd, so that no two instances get the same colour.
 FACTOR = 10368889
 
 
 def write_simulator(house: House, textures: dict[SurfaceKey, TileTexture], folder: Path) -> None:
-    """Write the pack of a house into a folder."""
+    """Write the files of a house for simulators into a folder."""
     assembly = assemble(house)
     parts, solids = assembly.parts, house_solids(house, assembly)
     write_glb(house, textures, folder / "house.glb", parts)
@@ -65,7 +66,7 @@ def _hex(colour: tuple[int, int, int]) -> str:
 
 
 def stage_config() -> dict[str, Any]:
-    """Return Habitat's description of the stage."""
+    """Return the stage configuration for Habitat."""
     return {
         "render_asset": "house.glb",
         "collision_asset": "collision.glb",
@@ -85,9 +86,9 @@ Instance = tuple[MeshPart, tuple[int, int, int], str, int]
 
 
 def instances_of(parts: list[MeshPart]) -> list[Instance]:
-    """Return each part with a colour of its own, its category and the number of its room.
+    """Return each part with a unique colour, its category and the number of its region.
 
-    Regions count the rooms in order from 0; what belongs to none has -1.
+    Rooms are numbered as regions from 0 in order of appearance; a part without a room has -1.
     """
     rooms = list(dict.fromkeys(part.extras.get("room_id") for part in parts))
     rooms = [room for room in rooms if room is not None]
@@ -101,7 +102,7 @@ def instances_of(parts: list[MeshPart]) -> list[Instance]:
 
 
 def instance_colour(number: int) -> tuple[int, int, int]:
-    """Return a colour for an instance from 1 on: different for all up to 2**24 - 1."""
+    """Return the RGB colour of instance `number`, 1 to 2**24 - 1; all colours are different."""
     value = number * FACTOR % 2**24
     return value >> 16, value >> 8 & 255, value & 255
 
@@ -112,7 +113,7 @@ def _collision(solid: Solid) -> tuple[str, trimesh.Trimesh]:
 
 
 def _painted(part: MeshPart, colour: tuple[int, int, int]) -> tuple[str, trimesh.Trimesh]:
-    """Return a part's name and its mesh in its instance's colour."""
+    """Return a part's name and its mesh, painted in the colour of its instance."""
     colours = np.tile(np.array([*colour, 255], np.uint8), (len(part.mesh.vertices), 1))
     mesh = trimesh.Trimesh(
         part.mesh.vertices, part.mesh.faces, vertex_colors=colours, process=False
@@ -129,7 +130,7 @@ def _write_scene(path: Path, meshes: list[tuple[str, trimesh.Trimesh]]) -> None:
         temporary.write_bytes(export_glb(scene))
 
 
-#: Of a door leaf, kg per cubic metre (hollow-core wood), and the friction of its hinge.
+#: Density of a door leaf, kg per cubic metre (hollow-core wood); damping and friction of its hinge.
 DOOR_DENSITY = 350.0
 HINGE_DAMPING, HINGE_FRICTION = 0.6, 0.1
 OPEN_RAD = math.radians(100.0)
@@ -147,7 +148,7 @@ OBJECT = "0.80 0.80 0.78 1"
 def mjcf_text(house: House, solids: Sequence[Solid]) -> str:
     """Return the MJCF document of a house with these solids.
 
-    Bodies are named by their solids; the keyframe ``open`` has the inner doors open.
+    Bodies have the names of their solids. In the keyframe ``open``, all inner doors are open.
     """
     root = ET.Element("mujoco", model=house.id)
     ET.SubElement(root, "compiler", angle="radian", autolimits="true")
@@ -171,7 +172,7 @@ def mjcf_text(house: House, solids: Sequence[Solid]) -> str:
 
 
 def _leaf(world: ET.Element, contact: ET.Element, solid: Solid) -> ET.Element:
-    """Add the body of a door leaf, which its frame does not hinder; return it."""
+    """Add the body of a door leaf, without contact with the house; return it."""
     hinge = solid.hinge
     if hinge is None:
         raise ValueError(f"{solid.name} has no hinge")
@@ -194,7 +195,7 @@ def _leaf(world: ET.Element, contact: ET.Element, solid: Solid) -> ET.Element:
 def _geom(
     assets: ET.Element, body: ET.Element, solid: Solid, name: str, piece: trimesh.Trimesh
 ) -> None:
-    """Add a convex piece: MuJoCo takes the hull of the asset's vertices."""
+    """Add a convex piece by its vertices only: MuJoCo uses their convex hull."""
     points = z_up(piece.vertices)
     if solid.hinge is not None:
         points = points - [solid.hinge.x, -solid.hinge.z, 0.0]

@@ -1,7 +1,7 @@
-"""A house as closed convex solids, each with a name and a category, for simulators.
+"""A house as solids of closed convex pieces, each solid with a name and a category.
 
-Every exporter that needs bodies takes them from here. World axes of ``docs/conventions.md``:
-metres, y up; plan points are (x, z).
+All exporters that need solids use this module. World axes as in ``docs/conventions.md``: metres,
+y up; plan points are (x, z).
 """
 
 from __future__ import annotations
@@ -24,23 +24,23 @@ from plan2scene.mesh.structure import Body, open_plate
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.wall_sides import Portal
 
-#: Floors and ceilings are so thick, metres.
+#: Thickness of floors and ceilings, metres.
 SLAB = 0.1
-#: Where two rooms touch, the wall between them is so thick, metres.
+#: Least thickness of a wall, metres; used where two rooms touch.
 LEAST_WALL = 0.02
-#: Panes are so thick, metres.
+#: Thickness of window panes, metres.
 PANE = 0.02
-#: Parts that are boxes, by kind.
+#: Kinds of parts that consist of boxes.
 BOXED = frozenset({"object", "stairs", "railing"})
-#: Pieces of less area are left out, square metres.
+#: Pieces with a smaller plan area are left out, square metres.
 _SLIVER = 1e-5
-#: A leaf is so much smaller than the clear opening, metres to each side.
+#: Gap between a door leaf and its frame on each side, metres.
 _GAP = 0.01
 
 
 @dataclass(frozen=True)
 class Hinge:
-    """The upright axis of a door leaf: it stands shut at angle 0.
+    """The upright axis of a door leaf. At angle 0 the door is shut.
 
     Attributes
     ----------
@@ -57,21 +57,21 @@ class Hinge:
 
 @dataclass(frozen=True)
 class Solid:
-    """A thing that has a body.
+    """A solid thing in the house.
 
     Attributes
     ----------
     name : str
         Unique in the house, like the GLB's nodes: ``{room}/floor``, ``wall/{wall}`` ...
     category : str
-        ``floor``, ``ceiling``, ``wall``, ``door``, ``window``, ``railing``, or what an object of
-        the plan is (:data:`plan2scene.mesh.fittings.KINDS`).
+        ``floor``, ``ceiling``, ``wall``, ``door``, ``window``, ``railing``, or the kind of an
+        object of the plan (:data:`plan2scene.mesh.fittings.KINDS`).
     room_ids : tuple of str
         The rooms it belongs to.
     pieces : tuple of trimesh.Trimesh
-        Closed, convex, outward-facing; together the body. Metres, world axes.
+        Closed convex meshes that face outward; together they fill the solid. Metres, world axes.
     hinge : Hinge or None
-        Of a door leaf.
+        The hinge of a door leaf, None for anything else.
     """
 
     name: str
@@ -84,9 +84,9 @@ class Solid:
 def house_solids(house: House, assembly: Assembly | None = None) -> list[Solid]:
     """Return the solids of a house: slabs, walls with their holes, door leaves, panes, objects.
 
-    Doors and passages are holes through the walls with floor in them; a leaf fills its door when
-    shut. A pane fills a window, nothing a hatch between rooms. `assembly` is the house's, when at
-    hand.
+    Doors and passages are holes through the walls with floor in them. A door leaf is shut and fills
+    its hole. A pane fills a window; a hatch (a window between two rooms) stays empty. `assembly` is
+    that of the house, if the caller already has it.
     """
     assembly = assemble(house) if assembly is None else assembly
     solids: list[Solid] = []
@@ -97,7 +97,7 @@ def house_solids(house: House, assembly: Assembly | None = None) -> list[Solid]:
 
 
 def storey_solids(storey: Storey) -> list[Solid]:
-    """Return the solids of one storey, its floors at 0; names may repeat."""
+    """Return the solids of one storey, with its floors at height 0; names may repeat."""
     ways = {id(portal): footprint(portal) for portal in storey.portals}
     solids: list[Solid] = []
     for room in storey.house.rooms:
@@ -120,7 +120,7 @@ def storey_solids(storey: Storey) -> list[Solid]:
 
 
 def _lifted(solid: Solid, elevation: float) -> Solid:
-    """Return a solid of a storey where it is in the house."""
+    """Return a storey's solid moved up to the storey's elevation in the house."""
     if elevation == 0.0:
         return solid
     pieces = tuple(piece.copy() for piece in solid.pieces)
@@ -130,7 +130,7 @@ def _lifted(solid: Solid, elevation: float) -> Solid:
 
 
 def _boxed(part: MeshPart) -> Solid:
-    """Return the solid of a part that `PartBuilder.box` made: 24 vertices a box."""
+    """Return the solid of a part that `PartBuilder.box` made: every 24 vertices are one box."""
     boxes = part.mesh.vertices.reshape(-1, 24, 3)
     kind = str(part.extras.get("category", part.extras["kind"]))
     rooms = (str(part.extras["room_id"]),) if "room_id" in part.extras else ()
@@ -141,7 +141,7 @@ def _boxed(part: MeshPart) -> Solid:
 def prisms(area: BaseGeometry, low: float, high: float) -> tuple[trimesh.Trimesh, ...]:
     """Return upright convex prisms that fill a plan area from height `low` to `high`.
 
-    A convex polygon is one prism, another one a prism for each of its triangles.
+    A convex polygon gives one prism, any other polygon a prism for each of its triangles.
     """
     if high - low < 1e-4:
         return ()
@@ -169,7 +169,7 @@ def _prism(ring: np.ndarray, low: float, high: float) -> trimesh.Trimesh:
 
 
 def footprint(portal: Portal) -> Polygon:
-    """Return the plan area of a passage through its walls, a little longer than they are thick."""
+    """Return the plan area of an opening through its walls, a little deeper than the walls."""
     frame, hole = portal.side.frame, portal.hole
     reach = LEAST_WALL
     near = frame.plan(np.array([hole.left, hole.right]), reach)
@@ -178,7 +178,7 @@ def footprint(portal: Portal) -> Polygon:
 
 
 def _walls(storey: Storey, ways: dict[int, Polygon]) -> list[Solid]:
-    """Return a solid for each wall, with the holes of all portals that go through it."""
+    """Return a solid for each wall, cut by all openings that go through it."""
     solids = []
     taken: BaseGeometry = Polygon()
     for body in storey.bodies:
@@ -198,7 +198,7 @@ def _walls(storey: Storey, ways: dict[int, Polygon]) -> list[Solid]:
 
 
 def wall_area(body: Body) -> BaseGeometry:
-    """Return a wall's plan area; at least a thin strip along its line."""
+    """Return a wall's plan area, which contains at least a thin strip along the wall's line."""
     frame = body.side.frame
     line = LineString(frame.plan(np.array([0.0, frame.length])))
     return unary_union([body.area, line.buffer(LEAST_WALL / 2, cap_style="flat")])
@@ -220,7 +220,7 @@ def _thresholds(storey: Storey, ways: dict[int, Polygon]) -> list[Solid]:
 
 
 def _fillings(portal: Portal) -> list[Solid]:
-    """Return what stands in an opening: a pane, one leaf or two, nothing in a passage."""
+    """Return what fills an opening: a pane, one or two door leaves, or nothing in a passage."""
     hole, room = portal.hole, portal.side.room_id
     both = (room,) if portal.other is None else (room, portal.other)
     name = f"{room}/{hole.opening.kind}/{hole.opening.id}"
@@ -249,7 +249,7 @@ def _fillings(portal: Portal) -> list[Solid]:
 def _slab(
     portal: Portal, left: float, right: float, thick: float, low: float, high: float
 ) -> trimesh.Trimesh:
-    """Return a flat box in the middle of an opening's depth."""
+    """Return a flat upright box in the middle of an opening's depth."""
     return _prism(middle_strip(portal, left, right, thick), low, high)
 
 

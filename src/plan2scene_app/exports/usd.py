@@ -1,8 +1,8 @@
 """A house as USD: ``house.usdc`` with textures beside it, and ``house.usdz`` with all in one.
 
-Metres, y up. Every part of the GLB is a mesh with a UsdPreviewSurface material and a semantic
-label; ``/house/collision`` holds the convex bodies with physics' collision API. Source: the
-specifications at openusd.org; read and written by usd-core (the extra `exports`).
+Metres, y up. Every part of the house is a mesh with a UsdPreviewSurface material and a semantic
+label. ``/house/collision`` holds convex bodies with the collision API of UsdPhysics. Source: the
+specifications at openusd.org; the writer is usd-core (the extra `exports`).
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from plan2scene.mesh.texture_files import UNTEXTURED, TileTexture
 from plan2scene_app.exports.simulator import CATEGORIES
 from plan2scene_app.exports.solids import Solid, house_solids
 
-#: Date of the files in a package: 1 January 2000, so that the same house gives the same bytes.
+#: Date of all files in a package, 1 January 2000: with it a house always gives the same bytes.
 _DATE = 946_728_000
 
 
@@ -50,9 +50,9 @@ def write_usd(house: House, textures: Mapping[SurfaceKey, TileTexture], folder: 
 
 
 def _pack(folder: Path, package: Path) -> None:
-    """Write the layer and the images of a folder as one package: the layer comes first.
+    """Write the layer of a folder, and then its images, into one package.
 
-    Files are of one date, as the package keeps it.
+    All files get one fixed date, because the package stores it.
     """
     from pxr import Sdf
 
@@ -64,7 +64,7 @@ def _pack(folder: Path, package: Path) -> None:
 
 
 def prim_name(name: str) -> str:
-    """Return a name as USD allows it: letters, digits and '_', no digit first."""
+    """Return a name changed to what USD allows: letters, digits and '_', no digit first."""
     safe = re.sub(r"[^A-Za-z0-9_]", "_", name)
     return safe if re.match(r"[A-Za-z_]", safe) else f"_{safe}"
 
@@ -96,7 +96,7 @@ class _Stage:
         stage.GetRootLayer().Save()
 
     def _define(self, parent: str, name: str) -> str:
-        """Return a path of its own for a name, which the prim keeps as its display name."""
+        """Return a unique path below `parent` for a prim of this name."""
         base = path = f"{parent}/{prim_name(name)}"
         number = 2
         while path in self._paths:
@@ -118,7 +118,7 @@ class _Stage:
         return mesh
 
     def _part(self, part: MeshPart) -> None:
-        """Add a visible part with its normals, coordinates or colours, material and label."""
+        """Add a visible part: normals, texture coordinates or colours, material, label."""
         from pxr import Sdf, UsdGeom, UsdShade, Vt
 
         room = part.extras.get("room_id")
@@ -149,7 +149,7 @@ class _Stage:
         _label(mesh.GetPrim(), CATEGORIES.get(kind, kind))
 
     def _material(self, part: MeshPart, tile: TileTexture | None) -> Any:
-        """Return the material of a part, made once."""
+        """Return the material of a part; parts that look alike share one."""
         from pxr import Gf, Sdf, UsdShade
 
         name = part.material if part.surface is None else part.surface.filename
@@ -177,7 +177,7 @@ class _Stage:
         return material
 
     def _texture(self, path: str, file: str) -> Any:
-        """Return what gives a repeating image at the primvar ``st``."""
+        """Return a shader that samples a repeating image at the primvar ``st``."""
         from pxr import Sdf, UsdShade
 
         shader = UsdShade.Shader.Define(self.stage, f"{path}/image")
@@ -192,7 +192,7 @@ class _Stage:
         return shader.ConnectableAPI()
 
     def _reader(self, path: str, kind: str, primvar: str) -> Any:
-        """Return what reads a primvar in a material."""
+        """Return a shader that reads a primvar in a material."""
         from pxr import Sdf, UsdShade
 
         types = {"UsdPrimvarReader_float2": "Float2", "UsdPrimvarReader_float3": "Float3"}
@@ -203,7 +203,7 @@ class _Stage:
         return shader.ConnectableAPI()
 
     def _collision(self, solids: Sequence[Solid]) -> None:
-        """Add the convex bodies, unseen."""
+        """Add the convex bodies; they are not rendered (purpose `guide`)."""
         from pxr import UsdGeom, UsdPhysics
 
         UsdGeom.Scope.Define(self.stage, "/house/collision")

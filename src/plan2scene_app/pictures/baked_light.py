@@ -1,10 +1,11 @@
 """Light baked into texels of a house's surfaces: radiosity by rays (Cohen and Wallace 1993).
 
-Sky through the windows, a lamp in every room and some bounces. Every texel looks at the house in
-a few directions about its normal; what it sees, a window's sky or another texel, is worked out
-once, then each bounce is a sum. Texels of a block look in other directions each and share what
-they found (interleaved sampling, Keller and Heidrich 2001): a far window is seen in hardly one of
-a texel's own. Values are factors on a surface's colour, about 1 where a room is lit.
+Light comes from the sky through the windows, from a lamp in every room, and from some bounces.
+Every texel casts a few rays about its normal. What the rays hit (the sky or another texel) is
+computed once; then each bounce is a sum over the rays. The texels of a block cast rays in different
+directions, and their results are averaged (interleaved sampling, Keller and Heidrich 2001), because
+hardly any ray of a single texel reaches a far window. Values are factors on a surface's colour,
+about 1 where a room is lit.
 """
 
 from __future__ import annotations
@@ -33,22 +34,23 @@ GROUND = np.array([0.55, 0.53, 0.5])
 class LightSettings:
     """How light is baked. Values are factors on a surface's colour."""
 
-    rays: int = 64  #: directions that a texel looks in
-    block: int = 5  #: side of the block of texels that look in different ones; odd
+    rays: int = 64  #: rays of each texel
+    block: int = 5  #: side of the block of texels that cast rays in different directions; odd
     bounces: int = 4
-    most_px: int = 2048  #: width and height of the image at most
-    plain: float = 0.6  #: linear reflectance of doors and frames
-    lamp_share: float = 0.3  #: mean direct light of a room's lamp
-    lamp_most: float = 0.8  #: its greatest direct light
-    lamp_glow_m: float = 1.1  #: radius of its glow: light does not grow without end towards it
+    most_px: int = 2048  #: largest width and height of the image
+    plain: float = 0.6  #: linear reflectance of parts without texels, such as doors and frames
+    lamp_share: float = 0.3  #: mean direct light of a lamp in its room, if `lamp_most` allows it
+    lamp_most: float = 0.8  #: largest direct light of a lamp in its room
+    lamp_glow_m: float = 1.1  #: added (squared) to the squared distance, so that light stays finite
     middle: float = 0.9  #: median light of a house after exposure
-    before_m: float = 0.1  #: plain things have the light of walls near a point so far before them
-    near_texels: int = 24  #: number of texels near it
-    #: Mean light of floors for that of the walls of rooms open to each other. A floor's paint is
-    #: its ratio to walls in photos and holds what more or less light it had there: so photos show
-    #: it, in the mean of 32 of four real listings (development).
+    before_m: float = 0.1  #: parts without texels get the light near a point this far before them,
+    near_texels: int = 24  #: as a weighted mean of this many nearest wall texels
+    #: Ratio of the mean light of floors to that of walls, in rooms that are open to each other. A
+    #: floor's paint is estimated from its ratio to the walls in photos, so it already contains the
+    #: difference of their light there. With this value floors are as bright beside walls as in
+    #: photos, in the mean of 32 photos of four real listings (development).
     floor: float = 1.1
-    brightest: float = 1.3  #: mean light that a room or a balcony has at most
+    brightest: float = 1.3  #: largest mean light of a room or a balcony
     knee: float = 0.75  #: linear value from which highlights of pictures are compressed
 
 
@@ -57,7 +59,7 @@ LIGHT = LightSettings()
 
 @dataclass(frozen=True)
 class Light:
-    """Baked light, and where each part lies in it.
+    """Baked light as an image, and the place of each part in it.
 
     Attributes
     ----------
@@ -65,8 +67,8 @@ class Light:
         Linear factors on surface colours.
     charts : mapping of part name to Chart
     walls : (tree, (n, 3) float64, (n,) str) or None
-        Points of wall texels, the light there and the rooms: what has no texels has the light of
-        walls near it.
+        Points of the wall texels, their light and their rooms: parts without texels get the light
+        of walls near them.
     """
 
     image: np.ndarray
@@ -79,9 +81,9 @@ class Light:
         return self.charts[part.name].texels(np.asarray(part.uv)) / [width, height]
 
     def of_plain(self, part: MeshPart) -> np.ndarray:
-        """Return the light (n, 3) of the vertices of a part without texels: that of walls near it.
+        """Return the light (n, 3) at the vertices of a part without texels: that of walls near it.
 
-        Where there are none what looks up is a little brighter.
+        Without walls the light is even, a little brighter on faces that look up.
         """
         normals = part.mesh.vertex_normals
         if self.walls is None:
@@ -91,7 +93,7 @@ class Light:
         away, near = tree.query(before, k=min(LIGHT.near_texels, len(lights)))
         shape = len(before), -1
         near = near.reshape(shape)
-        same = owner[near] == owner[near[:, :1]]  # walls of two rooms stand back to back
+        same = owner[near] == owner[near[:, :1]]  # not the wall of the room behind
         weights = same / (away.reshape(shape) + LIGHT.before_m)
         light = (lights[near] * weights[..., None]).sum(axis=1)
         return np.asarray(light / weights.sum(axis=1, keepdims=True))
@@ -99,7 +101,7 @@ class Light:
 
 @dataclass(eq=False)
 class _Texels:
-    """All texels on parts, in one row: points, normals, colours and rooms."""
+    """All texels on parts, in one list: points, numbers of their charts, colours."""
 
     points: np.ndarray
     charts: np.ndarray
@@ -120,7 +122,7 @@ def bake_light(
     house : House
     parts : sequence of MeshPart
     colours : mapping of SurfaceKey to (3,) float
-        Mean linear RGB of the surfaces; parts of others are plain.
+        Mean linear RGB of the surfaces; parts of other surfaces get no texels.
     texel_m : float
         Side of a texel, metres.
     """
@@ -147,7 +149,7 @@ def bake_light(
         if floor.any() and wall.any():
             light[floor] *= LIGHT.floor * light[wall].mean() / max(light[floor].mean(), 1e-6)
     light *= LIGHT.middle / max(float(np.median(light.mean(axis=1))), 1e-6)
-    for room in np.unique(owner):  # eyes get used to a terrace's light
+    for room in np.unique(owner):  # limit bright rooms such as terraces: eyes adapt to them
         mine = owner == room
         light[mine] *= min(1.0, LIGHT.brightest / max(float(light[mine].mean()), 1e-6))
     image = np.zeros((*shape, 3), np.float32)
@@ -156,7 +158,7 @@ def bake_light(
         values = np.zeros((*inside.shape, 3))
         count = int(inside.sum())
         values[inside] = light[start : start + count]
-        if not count:  # a strip between the texels' middles
+        if not count:  # a strip that is too narrow to contain the centre of a texel
             values[:] = np.median(light, axis=0)
         chart.paste(image, *_continued(_smooth(values, inside), inside))
         start += count
@@ -167,12 +169,12 @@ def bake_light(
 
 
 def even_light() -> Light:
-    """Return the light of a house without any: what looks up is a little brighter."""
+    """Return even light, for a house whose light cannot be baked."""
     return Light(np.ones((1, 1, 3), np.float32), {})
 
 
 def compressed(linear: np.ndarray) -> np.ndarray:
-    """Return linear values, those beyond `LIGHT.knee` compressed below 1: nothing burns out."""
+    """Return linear values; those above `LIGHT.knee` are compressed so that they stay below 1."""
     over = np.maximum(linear - LIGHT.knee, 0.0)
     return np.minimum(linear, LIGHT.knee) + (1 - LIGHT.knee) * over / (over + 1 - LIGHT.knee)
 
@@ -187,7 +189,7 @@ def mean_colours(textures: Mapping[SurfaceKey, TileTexture]) -> dict[SurfaceKey,
 
 
 def _open_to_each_other(house: House) -> list[list[str]]:
-    """Return the ids of all rooms, those together that passages join."""
+    """Return the ids of all rooms, grouped into connected components that passages join."""
     index = {room.id: k for k, room in enumerate(house.rooms)}
     joined = np.zeros((len(index), len(index)), bool)
     for one, other, _ in house.passages():
@@ -224,9 +226,9 @@ def _seen(
     texels: _Texels,
     rays: Rays,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return what texels see in each direction, and the mean light of the sky in them (n, 3).
+    """Return what the rays of n texels hit, and the mean light (n, 3) from outside over the rays.
 
-    (n, `LIGHT.rays`) int: number of a texel, n for plain things, n + 1 for what is outside.
+    Hits are (n, `LIGHT.rays`) int: number of a texel, n for a part without texels, n + 1 outside.
     """
     count = len(texels.points)
     seen = np.full((count, LIGHT.rays), count + 1)
@@ -241,7 +243,7 @@ def _seen(
         place = row % LIGHT.block * LIGHT.block + column % LIGHT.block
         shifts = (np.arange(LIGHT.block**2) + 0.5) / LIGHT.block**2 - 0.5
         sets = np.stack([hemisphere(chart.normal, LIGHT.rays, shift) for shift in shifts])
-        # Neighbours look in directions that are not alike: 7 and the number of sets have no factor.
+        # Neighbours get different sets of directions: 7 and the number of sets are coprime.
         directions = sets[place * 7 % len(sets)].reshape(-1, 3)
         origins = np.repeat(texels.points[mine], LIGHT.rays, axis=0)
         hit = rays.hits(origins, directions)
@@ -262,7 +264,7 @@ def _seen(
 
 
 def _texel_at(chart: Chart, points: np.ndarray, index: np.ndarray, plain: int) -> np.ndarray:
-    """Return the numbers of the texels of a chart at world points (n, 3)."""
+    """Return the numbers of a chart's texels at world points (n, 3); `plain` if there is none."""
     known = np.column_stack([chart.part.mesh.vertices, np.ones(len(chart.part.mesh.vertices))])
     to_uv, *_ = np.linalg.lstsq(known, np.asarray(chart.part.uv), rcond=None)
     column, row = np.floor(chart.texels(np.column_stack([points, np.ones(len(points))]) @ to_uv)).T
@@ -274,7 +276,7 @@ def _texel_at(chart: Chart, points: np.ndarray, index: np.ndarray, plain: int) -
 
 
 def _gathered(known: np.ndarray, seen: np.ndarray) -> np.ndarray:
-    """Return the mean light (n, 3) over all directions; the sky counts elsewhere."""
+    """Return the mean reflected light (n, 3) over all rays, without the light from outside."""
     padded = np.vstack([known, np.zeros((1, 3))]).astype(np.float32)
     return np.stack([padded[:, k][seen].mean(axis=1) for k in range(3)], axis=1)
 
@@ -304,7 +306,7 @@ def _lamps(house: House, charts: Sequence[Chart], texels: _Texels, rays: Rays) -
 def _smooth(values: np.ndarray, inside: np.ndarray) -> np.ndarray:
     """Return values (h, w, 3) averaged along rows and columns over a block about each texel.
 
-    It is narrower near an edge of the part: a mean of more texels on one side would shift it.
+    Near an edge of the part the block is narrower, so that it stays symmetric about the texel.
     """
     for axis in (0, 1):
         mean, total, whole = values, values, inside
@@ -317,9 +319,10 @@ def _smooth(values: np.ndarray, inside: np.ndarray) -> np.ndarray:
 
 
 def _continued(values: np.ndarray, inside: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return values (h, w, 3) and where they are known, with a texel more beyond each edge.
+    """Return values (h, w, 3) and a mask of the known ones, with one more texel beyond each edge.
 
-    They go on as they fall or rise there, so that light runs on from part to part of one plane.
+    The new values are extrapolated linearly, so that light is continuous across the parts of a
+    plane.
     """
     total, count = np.zeros_like(values), np.zeros(inside.shape)
     for axis in (0, 1):

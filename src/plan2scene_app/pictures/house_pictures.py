@@ -39,7 +39,7 @@ def draw_house(
     traced: bool = False,
     threads: int = 1,
 ) -> None:
-    """Write a PNG of the house from above, JPEGs of its rooms at eye level and beside its photos.
+    """Write pictures of a house: from above (PNG); rooms, photo views and floors (JPEG).
 
     Parameters
     ----------
@@ -48,15 +48,15 @@ def draw_house(
     photos : mapping of str to path
         Photos by name.
     cameras : path or None
-        ``cameras.json``; None where no photo was read.
+        ``cameras.json``; None if no photo was read.
     patterns : path or None
-        ``patterns.parquet``; None where floors are not laid.
+        ``patterns.parquet``; None if floors are not laid.
     traced : bool
-        Rooms and views by path tracing, where Mitsuba is installed.
+        Whether rooms and views are drawn by path tracing, if Mitsuba is installed.
     threads : int
-        Views that are drawn at a time; Mitsuba has threads of its own.
+        Number of views drawn in parallel; with `traced` only one, as Mitsuba has its own threads.
 
-    Other parameters as of :func:`plan2scene.mesh.build.build_house`.
+    Other parameters are those of :func:`plan2scene.mesh.build.build_house`.
     """
     house, textures = textured(textures_dir, read_scene_json(scene_json, house_id))
     house = house if objects else replace(house, icons=())

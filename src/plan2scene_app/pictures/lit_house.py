@@ -1,7 +1,7 @@
 """house_lit.glb: the house with its light baked into unlit textures (KHR_materials_unlit).
 
-Every surface gets one image: its texture times its :mod:`.baked_light`, which every viewer shows
-as it is, on phones, too.
+Every surface gets one image: its texture times its light (:mod:`.baked_light`). Any viewer, also on
+a phone, can show it without computing light.
 """
 
 from __future__ import annotations
@@ -28,16 +28,16 @@ from plan2scene_app.pictures.baked_light import Light, bake_light, compressed, m
 
 @dataclass(frozen=True)
 class LitSettings:
-    """Images of surfaces under baked light: as sharp as a phone shows them."""
+    """Settings of images of surfaces with baked light, about as sharp as a phone shows them."""
 
     px_per_m: float = 128.0
-    most_px: int = 4096  #: width and height of an image at most
+    most_px: int = 4096  #: largest width and height of an image
     texel_m: float = 0.08  #: side of the light's texels
     quality: int = 88  #: of JPEG
 
 
 SETTINGS = LitSettings()
-_BAND = 512  # rows that are worked on at once
+_BAND = 512  # number of image rows that are processed at once
 
 
 def build_lit_house(
@@ -53,7 +53,7 @@ def build_lit_house(
     Parameters
     ----------
     scene_json, textures_dir, house_id, objects
-        As of :func:`plan2scene.mesh.build.build_house`.
+        As in :func:`plan2scene.mesh.build.build_house`.
     glb : path
     """
     house, textures = textured(textures_dir, read_scene_json(scene_json, house_id))
@@ -74,7 +74,7 @@ def lit_textures(
     textures: Mapping[SurfaceKey, TileTexture],
     light: Light,
 ) -> dict[SurfaceKey, TileTexture]:
-    """Return the images of all surfaces under the light."""
+    """Return an image of each surface: its texture times its light."""
     areas = surface_areas(house)
     made: dict[SurfaceKey, TileTexture] = {}
     for key in house.surface_keys():
@@ -85,7 +85,7 @@ def lit_textures(
 
 
 def _lit(tile: TileTexture, area: Area, parts: Sequence[MeshPart], light: Light) -> TileTexture:
-    """Return one surface's image under the light."""
+    """Return one surface's image: its texture times its light."""
     scale = min(SETTINGS.px_per_m, SETTINGS.most_px / max(area.size))
     width, height = (max(2, round(side * scale)) for side in area.size)
     shade = _shade(area, (height, width), scale, parts, light)
@@ -116,7 +116,7 @@ def _lit(tile: TileTexture, area: Area, parts: Sequence[MeshPart], light: Light)
 def _shade(
     area: Area, size: tuple[int, int], scale: float, parts: Sequence[MeshPart], light: Light
 ) -> np.ndarray:
-    """Return the light of a surface's parts in its image, (h, w, 3) float32; its mean beside."""
+    """Return the light at a surface image's pixels, (h, w, 3) float32; the mean off the parts."""
     shade = np.full((*size, 3), np.nan, np.float32)
     for part in parts:
         uv = np.asarray(part.uv)
@@ -135,7 +135,7 @@ def _shade(
 
 
 def developed(linear: np.ndarray) -> np.ndarray:
-    """Return linear values as uint8 sRGB, highlights compressed."""
+    """Return linear values as uint8 sRGB, with compressed highlights."""
     steps = np.clip(compressed(linear) * 4095, 0, 4095).astype(np.uint16)
     return np.asarray(_SRGB[steps])
 
@@ -144,7 +144,7 @@ _SRGB = np.round(255 * linear_to_srgb(np.arange(4096) / 4095)).astype(np.uint8)
 
 
 def lit_part(part: MeshPart, light: Light) -> MeshPart:
-    """Return a part without a texture under the mean light of its room; others as they are."""
+    """Return a part with its vertex colours times the light of walls near it; others unchanged."""
     if part.colours is None:
         return part
     linear = srgb_to_linear(part.colours) * light.of_plain(part)

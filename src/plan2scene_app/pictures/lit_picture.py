@@ -1,4 +1,4 @@
-"""Pictures from within a house: under its baked light, or by path tracing."""
+"""Pictures from inside a house: with its baked light, or by path tracing."""
 
 from __future__ import annotations
 
@@ -23,22 +23,22 @@ from plan2scene_app.pictures.baked_light import (
 from plan2scene_app.pictures.path_tracing import TracedScene, load_mitsuba
 from plan2scene_app.pictures.renderer import Triangles, sample
 
-#: A camera -> what it shows, (height, width, 3) uint8 sRGB.
+#: Function that draws a camera's picture, (height, width, 3) uint8 sRGB.
 Painter = Callable[[Camera], np.ndarray]
 
 
 @dataclass(frozen=True)
 class PictureSettings:
-    """How a house is pictured from within."""
+    """How pictures from inside a house are drawn."""
 
-    finer: float = 1.25  #: pictures are drawn so many times larger and averaged down
-    texel_m: float = 0.2  #: of the light
+    finer: float = 1.25  #: pictures are drawn this many times larger and averaged down
+    texel_m: float = 0.2  #: side of a texel of the baked light, metres
     sky: tuple[float, float, float] = (0.55, 0.70, 0.95)  #: linear RGB overhead
     horizon: tuple[float, float, float] = (0.90, 0.93, 0.97)  #: linear RGB
-    ground: tuple[float, float, float] = (0.38, 0.40, 0.33)  #: linear RGB, far out of the windows
+    ground: tuple[float, float, float] = (0.38, 0.40, 0.33)  #: linear RGB below the horizon
     haze: float = 0.12  #: sine of the angle over which the ground fades into the horizon
-    tint: float = 0.15  #: of the light's colour (log) that eyes see, who balance white
-    white: float = 0.86  #: linear value of pure white in the median light of a picture
+    tint: float = 0.15  #: share of the light's colour (log) that is kept: eyes balance white
+    white: float = 0.86  #: linear value of a white surface in a picture's median light
 
 
 SETTINGS = PictureSettings()
@@ -52,10 +52,10 @@ def painter_of(
     traced: bool = False,
     light: Light | None = None,
 ) -> Painter:
-    """Return what draws a house from within.
+    """Return a function that draws a house from inside.
 
-    With `traced` by path tracing (:mod:`.path_tracing`) where Mitsuba is installed, else
-    by `light`, which is baked where it is not given; even where it cannot be baked.
+    If `traced` and Mitsuba is installed, it uses path tracing (:mod:`.path_tracing`). Otherwise it
+    uses `light`, which is baked if it is not given; if it cannot be baked, the light is even.
     """
     mi = load_mitsuba() if traced else None
     if mi is not None:
@@ -73,7 +73,7 @@ def _larger(camera: Camera) -> Camera:
 
 
 class _LitTriangles:
-    """The opaque triangles of a house with their light; the sky is behind its windows."""
+    """The opaque triangles of a house with their light; the sky is seen through the windows."""
 
     def __init__(
         self,
@@ -93,7 +93,7 @@ class _LitTriangles:
         self.plain, self.light_uv = np.concatenate(lights), np.concatenate(uv)
 
     def draw(self, camera: Camera) -> np.ndarray:
-        """Return a picture, (h, w, 3) float32 linear RGB, exposed to the light alone."""
+        """Return a picture, (h, w, 3) float32 linear RGB, exposed by the median of its light."""
         fragments = self.triangles.visible(camera, np.ones(len(self.plain), dtype=bool))
         upward = directions(camera)[..., 1:2]
         horizon, sky, ground = map(np.array, (SETTINGS.horizon, SETTINGS.sky, SETTINGS.ground))
@@ -104,7 +104,7 @@ class _LitTriangles:
         baked = np.isnan(light[:, 0])
         at = fragments.at(self.light_uv)[baked]
         light[baked] = sample([self.light.image], at, np.ones(len(at)))
-        light = np.maximum(light, 0.0)  # thin faces carry it on beyond their corners
+        light = np.maximum(light, 0.0)  # it is extrapolated at the edges of thin faces
         grey = np.maximum(light.mean(axis=1, keepdims=True), 1e-6)
         light = grey * (light / grey) ** SETTINGS.tint
         light *= SETTINGS.white / max(float(np.median(light)) if len(light) else 1.0, 1e-6)
@@ -119,6 +119,6 @@ def directions(camera: Camera, step: int = 1) -> np.ndarray:
 
 
 def _developed(image: np.ndarray, camera: Camera) -> np.ndarray:
-    """Return a linear picture, its highlights compressed, at the camera's size, uint8 sRGB."""
+    """Return a linear picture as uint8 sRGB at the camera's size, with compressed highlights."""
     image = cv2.resize(image, (camera.width, camera.height), interpolation=cv2.INTER_AREA)
     return np.asarray(np.round(linear_to_srgb(compressed(image).clip(0, 1)) * 255).astype(np.uint8))

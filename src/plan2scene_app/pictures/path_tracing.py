@@ -1,8 +1,8 @@
 """Pictures of rooms by path tracing (Mitsuba 3, the extra `render`): lamps, sky in the windows.
 
-Every part is a mesh with its texture or vertex colours, diffuse; windows shine with the sky, and a
-small globe hangs where a room's lamp is. Light is averaged over few paths and smoothed apart from
-what surfaces look like, which every pixel keeps sharp.
+Every part is a diffuse mesh with its texture or vertex colours. Windows emit the light of the sky,
+and a room's lamp is a small sphere. Each pixel averages a few paths only; therefore the light is
+smoothed, separately from the surfaces' colours, which stay sharp.
 """
 
 from __future__ import annotations
@@ -27,26 +27,26 @@ from plan2scene.mesh.texture_files import UNTEXTURED, TileTexture
 from plan2scene.plugins import pip_command
 from plan2scene_app.pictures.baked_light import SKY
 
-#: Mitsuba's variants in order of preference: the second needs nothing but Mitsuba, and is slower.
+#: Mitsuba's variants in order of preference: the second is slower but needs nothing else installed.
 VARIANTS = ("llvm_ad_rgb", "scalar_rgb")
 
 
 @dataclass(frozen=True)
 class TracingSettings:
-    """How rooms are traced and smoothed: few paths, so that a room takes seconds."""
+    """How rooms are traced and smoothed: with few paths, so that a room takes seconds."""
 
-    samples: int = 24  #: paths a pixel
-    depth: int = 7  #: surfaces that a path meets at most
-    roulette: int = 4  #: surface from which chance may end it
-    lamp_radius_m: float = 0.09  #: of a lamp's globe
+    samples: int = 24  #: paths per pixel
+    depth: int = 7  #: largest depth of a path (Mitsuba's `max_depth`)
+    roulette: int = 4  #: depth from which Russian roulette may end a path
+    lamp_radius_m: float = 0.09  #: radius of a lamp's sphere
     lamp_radiance: float = 28.0  #: in multiples of white
     sky_radiance: float = 2.2  #: in multiples of white
-    middle: float = 0.36  #: median linear value of a picture: lamps and windows count no more
-    least_albedo: float = 0.02  #: below it a pixel's colour is not divided out (lamps, sky)
-    steps: tuple[int, ...] = (1, 2, 4, 8)  #: of the filter, pixels
-    same_normal: float = 0.1  #: squared difference of unit normals that halves a weight, about
-    same_place: float = 0.02  #: metres at 1 m distance off a surface that halve a weight, about
-    glare: float = 3.0  #: paths that find a lamp by chance count at most so many times their median
+    middle: float = 0.36  #: median linear value of a picture (bright lamps hardly change a median)
+    least_albedo: float = 0.02  #: pixels with a lower albedo (lamps, sky) are not divided by it
+    steps: tuple[int, ...] = (1, 2, 4, 8)  #: step of each pass of the wavelet filter, pixels
+    same_normal: float = 0.1  #: squared difference of unit normals that lowers a weight to 1/e
+    same_place: float = 0.02  #: metres off the plane, near the scene's middle, that lower it to 1/e
+    glare: float = 3.0  #: a pixel's light is limited to this times its 5 x 5 median (fireflies)
 
 
 SETTINGS = TracingSettings()
@@ -56,7 +56,7 @@ _KERNEL = (3 / 8, 1 / 4, 1 / 16)
 
 
 def load_mitsuba() -> Any | None:
-    """Return Mitsuba with a variant that works here; None, with a warning, without any."""
+    """Return Mitsuba with a variant that works here; None, with a warning, if there is none."""
     try:
         mi = importlib.import_module("mitsuba")
     except ImportError:
@@ -68,7 +68,7 @@ def load_mitsuba() -> Any | None:
     for name in VARIANTS:
         try:
             mi.set_variant(name)
-            if name.startswith("llvm"):  # wants LLVM's library
+            if name.startswith("llvm"):  # test whether LLVM's library is there
                 drjit = importlib.import_module("drjit")
                 drjit.eval(drjit.llvm.Float(1.0) + drjit.llvm.Float([1.0, 2.0]))
         except (ImportError, RuntimeError, AttributeError):
@@ -79,7 +79,7 @@ def load_mitsuba() -> Any | None:
 
 
 class TracedScene:
-    """A house in Mitsuba, drawn by any number of cameras."""
+    """A house as a Mitsuba scene, which can be drawn from any number of cameras."""
 
     def __init__(
         self,
@@ -105,7 +105,7 @@ class TracedScene:
         self._integrator = mi.load_dict({"type": "aov", "aovs": aovs, "img": path})
 
     def draw(self, camera: Camera) -> np.ndarray:
-        """Return a picture, (h, w, 3) float32 linear RGB, exposed to a median. Deterministic."""
+        """Return a picture, (h, w, 3) float32 linear RGB, of a fixed median. Deterministic."""
         sampler = {"type": "independent", "sample_count": SETTINGS.samples}
         image = self._mi.render(
             self._scene,
@@ -132,7 +132,7 @@ class TracedScene:
         }
 
     def _mesh(self, name: str, part: MeshPart, textures: Mapping[SurfaceKey, TileTexture]) -> Any:
-        """Return a part as a mesh of Mitsuba; a pane shines inwards with the sky."""
+        """Return a part as a Mitsuba mesh; a pane emits the light of the sky."""
         mi = self._mi
         tile = None if part.surface is None else textures.get(part.surface)
         properties = mi.Properties()
@@ -168,7 +168,7 @@ class TracedScene:
 
 
 def sensor(mi: Any, camera: Camera, sampler: Mapping[str, Any]) -> Any:
-    """Return Mitsuba's pinhole that sees what a camera sees, with a sampler's description."""
+    """Return a Mitsuba pinhole sensor for a camera; `sampler` is the sampler's description."""
     to_world = np.eye(4)
     right, down, ahead = camera.matrix
     to_world[:3, :3] = np.stack([-right, -down, ahead], axis=1)
@@ -198,7 +198,7 @@ def sensor(mi: Any, camera: Camera, sampler: Mapping[str, Any]) -> Any:
 def smoothed(
     radiance: np.ndarray, albedo: np.ndarray, normal: np.ndarray, place: np.ndarray
 ) -> np.ndarray:
-    """Return a picture (h, w, 3) with its light smoothed within surfaces and sharp colours.
+    """Denoise a picture (h, w, 3): smooth the light within surfaces, keep their colours sharp.
 
     Radiance over albedo is filtered by an edge-avoiding wavelet (Dammertz et al. 2010).
 
@@ -207,7 +207,7 @@ def smoothed(
     radiance, albedo : (h, w, 3) float32
         Linear RGB.
     normal, place : (h, w, 3) float32
-        Of what a pixel shows, in the world; metres.
+        Normal and position of the surface at each pixel, in world axes and metres.
     """
     lit = albedo.max(axis=2) > SETTINGS.least_albedo
     shade = np.where(lit[..., None], albedo, 1.0)
@@ -239,7 +239,7 @@ def smoothed(
 
 
 def _shifted(image: np.ndarray, dy: int, dx: int) -> np.ndarray:
-    """Return an image moved by whole pixels, its border repeated."""
+    """Return an image shifted by whole pixels; border pixels are repeated."""
     matrix = np.array([[1, 0, -dx], [0, 1, -dy]], np.float32)
     size = image.shape[1::-1]
     values = image.astype(np.float32)

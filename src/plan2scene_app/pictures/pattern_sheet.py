@@ -1,4 +1,4 @@
-"""patterns.jpg: each floor as photos show it, the found joints over it, beside the laid floor."""
+"""patterns.jpg: each floor as a photo shows it, with the detected joints, and the laid floor."""
 
 from __future__ import annotations
 
@@ -24,10 +24,11 @@ NO_FLOORS = "No photo of this house shows a floor largely enough."
 
 
 def draw_patterns(house: House, patterns: str | Path | None) -> np.ndarray:
-    """Return a sheet of ``patterns.parquet``, (h, w, 3) uint8 sRGB, a pair for each floor shown.
+    """Return a sheet with a pair of pictures for each floor in `patterns`, (h, w, 3) uint8 sRGB.
 
-    Left what a photo shows in metres with the found joints; right the floor that is laid, at the
-    same scale and turned alike, in the same colour. `patterns` is None where no photo was read.
+    The left picture is a rectified photo of the floor with the detected joints. The right one is
+    the laid floor at the same scale, in the same direction and colour. `patterns` is the path of
+    ``patterns.parquet``, None if no photo was read.
     """
     from PIL import Image, ImageDraw
 
@@ -63,11 +64,11 @@ def draw_patterns(house: House, patterns: str | Path | None) -> np.ndarray:
 
 
 def _floor(pattern: LaidPattern | None, photo: np.ndarray) -> np.ndarray | None:
-    """Return a laid floor of a photo's size (h, w, 3), rows along x, in its usual colour."""
+    """Return the laid floor at a photo's size (h, w, 3), rows along x, in the photo's colour."""
     if pattern is None:
         return None
     high, wide = (side / UNITS.shown_px_per_m for side in photo.shape[:2])
-    # The lines that are drawn over the photo, and what JPEG spreads of them, are magenta.
+    # Use the least magenta pixels: lines drawn over the photo, and their JPEG blur, are magenta.
     seen = photo[photo.any(axis=2)].astype(int)
     magenta = np.minimum(seen[:, 0], seen[:, 2]) - seen[:, 1]
     colour = np.median(seen[magenta <= np.percentile(magenta, 40)], axis=0) / 255.0
@@ -77,7 +78,7 @@ def _floor(pattern: LaidPattern | None, photo: np.ndarray) -> np.ndarray | None:
 
 
 def _words(row: Any, pattern: LaidPattern | None) -> str:
-    """Return what was found on a floor, in words."""
+    """Return a line of text with what was detected on a floor."""
     size = f" {100 * row.width_m:.1f} x {100 * row.length_m:.1f} cm" if row.width_m > 0 else ""
     size = size.replace(" x nan cm", " cm wide")
     count = "not laid" if pattern is None else f"{len(pattern.units)} units"

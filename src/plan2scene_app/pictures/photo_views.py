@@ -17,16 +17,16 @@ from plan2scene.photos.locate.pose import Pose
 from plan2scene_app.drawing import INK, PAPER, font, font_for, room_labels
 from plan2scene_app.pictures.lit_picture import Painter
 
-#: Most height and width of a picture, pixels.
+#: Largest height and width of a picture, pixels.
 SIZE = (225, 300)
-#: Photos in a row of the sheet, each with the house beside it.
+#: Pairs of photo and house in a row of the sheet.
 COLUMNS = 2
 _GAP, _TEXT = 8, 22
 NONE_LOCATED = "The place of no photo of this house is known."
 
 
 def photo_view(house: House, pose: Pose) -> Camera:
-    """Return a located photo's camera in the house, with the photo's field of view, reduced."""
+    """Return a located photo's camera in the house, its picture reduced to fit `SIZE`."""
     x, y, z = pose.position
     lifted = y + house.level_of(pose.room_id).elevation
     camera = replace(pose.camera, position=(x, lifted, z))
@@ -44,7 +44,7 @@ def render_photo_views(
 ) -> np.ndarray:
     """Return a sheet of pairs, photo and house, by room and name, (h, w, 3) uint8 sRGB.
 
-    Of the photos (files by name) that have a pose, `threads` of them at a time.
+    Only photos (files by name) that have a pose are drawn, `threads` of them in parallel.
     """
     from PIL import Image, ImageDraw
 
@@ -71,7 +71,7 @@ def render_photo_views(
 
 
 def _pair(path: Path, camera: Camera, painter: Painter) -> np.ndarray:
-    """Return a photo and what the house shows its camera, side by side."""
+    """Return a photo and the picture of the house from the same camera, side by side."""
     return np.hstack([_small(path, camera), painter(camera)])
 
 

@@ -1,4 +1,4 @@
-"""preview.png: the house from above, cut open at door height, and obliquely without ceilings."""
+"""preview.png: a plan view of each storey, cut below the ceiling, and an oblique view."""
 
 from __future__ import annotations
 
@@ -31,15 +31,15 @@ WINDOW_COLOUR: Colour = (176, 205, 216)
 class PreviewSettings:
     """How houses are drawn from above. Light is a factor on a surface's colour."""
 
-    cut_m: float = 1.7  #: height at which the plan view cuts the house open
+    cut_m: float = 1.7  #: height at which the plan view cuts the storey
     side: int = 800  #: height and width of each view, pixels
-    finer: int = 2  #: views are drawn so many times larger and averaged down
-    sky: float = 0.82  #: light from above,
-    ground: float = 0.55  #: from below
-    sun: float = 0.30  #: and of the sun on what faces it
+    finer: int = 2  #: views are drawn this many times larger and averaged down
+    sky: float = 0.82  #: light on surfaces that face up
+    ground: float = 0.55  #: light on surfaces that face down
+    sun: float = 0.30  #: additional light on surfaces that face the sun
     to_sun: tuple[float, float, float] = (-0.45, 0.78, 0.43)
-    corner_reach_m: float = 0.22  #: how far corners darken
-    corner_dark: float = 0.42  #: share of the light that they lose
+    corner_reach_m: float = 0.22  #: distance from a corner at which its darkening falls to 1/e
+    corner_dark: float = 0.42  #: share of the light that is lost in a corner
 
 
 SETTINGS = PreviewSettings()
@@ -47,7 +47,7 @@ SETTINGS = PreviewSettings()
 
 @dataclass(frozen=True)
 class _View:
-    """Where a perspective view is from, and its field of view, degrees."""
+    """Direction from which a perspective view is seen, and its field of view, degrees."""
 
     elevation_deg: float
     azimuth_deg: float
@@ -66,7 +66,7 @@ def render_preview(
 ) -> np.ndarray:
     """Return (n side, 2 side, 3) uint8 sRGB: plan view with room names, and oblique view.
 
-    A row for each of the n levels, the lowest first.
+    There is a row for each of the n levels, the lowest first.
     """
     rows = []
     for storey in (assembly or assemble(house)).storeys:
@@ -79,7 +79,7 @@ def render_preview(
 def render_plan(house: House, captions: Mapping[str, str], side: int = SETTINGS.side) -> np.ndarray:
     """Return the plan view in plain colours, (n side, side, 3) uint8 sRGB: n levels, lowest first.
 
-    `captions` holds a line for a room's label in place of its area, by room id.
+    `captions` are texts by room id; in a room's label they replace its area.
     """
     storeys = assemble(house).storeys
     return np.concatenate([_plan_view(storey, {}, side, captions) for storey in storeys])
@@ -88,9 +88,9 @@ def render_plan(house: House, captions: Mapping[str, str], side: int = SETTINGS.
 def render_from_above(
     house: House, textures: Mapping[SurfaceKey, TileTexture], side: int = SETTINGS.side
 ) -> np.ndarray:
-    """Return the perspective views from straight above without ceilings, (n side, side, 3) uint8.
+    """Return perspective views from straight above without ceilings, (n side, side, 3) uint8.
 
-    One for each of the n levels, the lowest first.
+    There is one for each of the n levels, the lowest first.
     """
     storeys = assemble(house).storeys
     return np.concatenate([_view(storey, textures, side, _FROM_ABOVE) for storey in storeys])
@@ -109,7 +109,7 @@ def _plan_view(
     side: int,
     captions: Mapping[str, str] | None = None,
 ) -> np.ndarray:
-    """Return the orthographic view from above of what is below `SETTINGS.cut_m`."""
+    """Return the orthographic view from above of everything below `SETTINGS.cut_m`."""
     house = storey.house
     low, high = _extent(house)
     centre = (low + high) / 2
@@ -132,7 +132,7 @@ def _plan_view(
 
 
 def _section(storey: Storey) -> list[MeshPart]:
-    """Return flat parts at the height of the cut: the wall bodies that it meets, their windows."""
+    """Return flat parts at the cut height: the sections of walls and of the windows in them."""
     solid = unary_union([b.cap for b in storey.bodies if b.side.wall.height > SETTINGS.cut_m])
     parts, windows = [], []
     for portal in storey.portals:
@@ -163,7 +163,7 @@ def _view(
     side: int,
     view: _View,
 ) -> np.ndarray:
-    """Return a perspective view without ceilings that the storey fills."""
+    """Return a perspective view of a storey without ceilings; the storey fills the picture."""
     house = storey.house
     low, high = _extent(house)
     height = max((wall.height for wall in house.walls), default=2.5)
@@ -197,7 +197,7 @@ def _draw(
 ) -> np.ndarray:
     """Return the picture (h, w, 3) uint8 sRGB of parts, averaged down.
 
-    Of triangles that begin below `top`, metres.
+    Only triangles whose lowest corner is not above `top` (metres) are drawn.
     """
     triangles = Triangles.of(parts, textures)
     below = triangles.corners[..., 1].min(axis=1) <= top
@@ -216,7 +216,7 @@ def _draw(
 
 
 def _light(normals: np.ndarray, t: np.ndarray, points: np.ndarray, house: House) -> np.ndarray:
-    """Return the (p,) light of sky, ground and sun on points of triangles `t`, dark in corners."""
+    """Return the (p,) light of sky, ground and sun on points of triangles `t`; corners darken."""
     up = 0.5 + 0.5 * normals[:, 1]
     to_sun = np.array(SETTINGS.to_sun) / np.linalg.norm(SETTINGS.to_sun)
     light = (
@@ -274,13 +274,13 @@ def annotate(
     Parameters
     ----------
     captions : mapping
-        Second line of a room's label by its id, in place of the areas; empty for areas.
+        Second line of a room's label, by room id; if `captions` is empty, the areas are written.
     project : callable
         Pixel (x, y) of a point (x, z) in metres.
     scale : float
         Pixels per metre.
     title : str
-        In the upper left corner.
+        Text in the upper left corner.
     """
     picture = Image.fromarray(image)
     draw = ImageDraw.Draw(picture)
@@ -291,7 +291,7 @@ def annotate(
         types = legible(room.title, " / ".join(room.types))
         second = captions.get(room.id, "") if captions else f"{whole.area:.1f} m²"
         full = f"{types}\n{second}".strip()
-        # A small room gets a small label, and none where a larger room's label is.
+        # A small room gets a small label, or none if it would overlap a larger room's label.
         short, kinds = (full if captions else types, 11), " / ".join(room.types)
         for text, size in ((full, 15), short, (types, 11), (kinds, 11)):
             if _label(draw, text, centre, size, taken, whole, scale):
@@ -308,9 +308,9 @@ def draw_flights(
     flights: Iterable[tuple[Stairs, int]],
     project: Callable[[tuple[float, float]], tuple[float, float]],
 ) -> np.ndarray:
-    """Return a plan view (h, w, 3) uint8 with stairs as plans draw them: steps, an arrow upwards.
+    """Return a plan view (h, w, 3) uint8 with stairs drawn as steps and an arrow that points up.
 
-    `flights` come with their number of steps, `project` is as of :func:`annotate`.
+    `flights` are pairs of stairs and their number of steps; `project` is as in :func:`annotate`.
     """
     picture = Image.fromarray(image)
     draw = ImageDraw.Draw(picture)
@@ -333,7 +333,7 @@ def draw_flights(
 
 
 def _label_point(polygon: Polygon) -> tuple[float, float]:
-    """Return a point well inside a room: its centroid when that is inside, else the pole."""
+    """Return a point well inside a room: its centroid, or else its pole of inaccessibility."""
     centre = polygon.centroid
     point = centre if polygon.buffer(-0.3).contains(centre) else polylabel(polygon, 0.05)
     return float(point.x), float(point.y)
@@ -348,7 +348,7 @@ def _label(
     room: Polygon,
     scale: float,
 ) -> bool:
-    """Write text on a light plate if there is room for it; return whether it was written."""
+    """Write text on a light plate if the plate fits; return whether it was written."""
     font = wide_font(size)
     box = draw.multiline_textbbox(centre, text, font=font, anchor="mm", align="center")
     plate = (box[0] - 6, box[1] - 5, box[2] + 6, box[3] + 5)

@@ -1,8 +1,8 @@
-"""The renderer of pictures of houses: nearest triangle of each pixel, then its surface's colour.
+"""Software renderer of houses: it finds each pixel's nearest triangle, then the surface's colour.
 
-It is written out here because it has to run wherever the package does: OpenGL renderers need a
-display or a driver, and Embree (:mod:`plan2scene.mesh.rays`) has no wheel for Linux on ARM. A
-pixel's triangle is found by homogeneous edge functions (Olano and Greer 1997), which need no
+The package has its own renderer because it must run wherever the package runs: OpenGL renderers
+need a display or a driver, and Embree (:mod:`plan2scene.mesh.rays`) has no wheel for Linux on ARM.
+A pixel's triangle is found by homogeneous edge functions (Olano and Greer 1997), which need no
 clipping at the camera.
 """
 
@@ -22,11 +22,11 @@ from plan2scene.images import image_from_bytes
 from plan2scene.mesh.parts import GLASS, MeshPart
 from plan2scene.mesh.texture_files import UNTEXTURED, TileTexture
 
-#: What is nearer to a pinhole camera is not drawn, metres.
+#: Near plane of a pinhole camera, metres: nothing nearer is drawn.
 NEAR_M = 0.02
-#: Triangles are so much larger at their edges, pixels: rounding leaves no cracks between them.
+#: Triangles are enlarged at their edges by this, pixels, so that rounding leaves no cracks.
 _SLACK_PX = 0.01
-#: Textures of surfaces that are turned away more (cosine) are not blurred more.
+#: Lower bound of the cosine between ray and normal in the choice of mipmap level (limits blur).
 _LEAST_FACING = 0.05
 
 
@@ -38,9 +38,9 @@ def look_at(
     *,
     orthographic: bool = False,
 ) -> Camera:
-    """Return a level camera at `eye` that looks at `target`, world points (3,).
+    """Return a camera without roll at `eye` that looks at `target`, world points (3,).
 
-    `size` is (height, width). Straight down, -z is up in the image.
+    `size` is (height, width). If the camera looks straight down or up, -z is up in the image.
     """
     ahead = (target - eye) / np.linalg.norm(target - eye)
     up = np.array([0.0, 0.0, -1.0]) if abs(ahead[1]) > 0.999 else np.array([0.0, 1.0, 0.0])
@@ -61,7 +61,7 @@ def look_at(
 
 @dataclass
 class Fragments:
-    """What p pixels of a picture show.
+    """The visible surface at p pixels of a picture.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ class Fragments:
     depth : (p,) float32
         Metres along the camera's axis.
     points : (p, 3) float32
-        What is seen, world metres.
+        The visible point, world metres.
     """
 
     pixels: np.ndarray
@@ -84,7 +84,7 @@ class Fragments:
     points: np.ndarray
 
     def at(self, values: np.ndarray) -> np.ndarray:
-        """Return (p, c) float32 values given at the corners of all triangles, (t, 3, c)."""
+        """Interpolate values at the corners of all triangles, (t, 3, c), to (p, c) float32."""
         corners = np.ascontiguousarray(values.transpose(1, 2, 0), dtype=np.float32)
         made = np.zeros((len(self.triangles), values.shape[2]), np.float32)
         for weight, corner in zip(self.weights, corners, strict=True):
@@ -103,7 +103,7 @@ class Triangles:
         World metres.
     normals : (t, 3) float64
     uv : (t, 3, 2) float64
-        In images, not metres.
+        Texture coordinates in multiples of the image, not metres.
     colours : (t, 3) float64
         Linear base colours.
     texture : (t,) int64
@@ -143,9 +143,9 @@ class Triangles:
         return cls(corners, normals, uv, colours, texture, glass, pyramids)
 
     def visible(self, camera: Camera, keep: np.ndarray) -> Fragments:
-        """Return what the pixels of a picture show of the kept triangles, (t,) bool.
+        """Return a camera's fragments; `keep` (t,) bool selects the triangles that are drawn.
 
-        Triangles that face away are left out, except glass, which has two sides.
+        Triangles that face away are left out, except glass, which is visible from both sides.
         """
         seen = camera.seen(self.corners)
         ahead = np.ones(seen.shape[:2]) if camera.orthographic else seen[..., 2]
@@ -218,9 +218,10 @@ def _points(camera: Camera, x: np.ndarray, y: np.ndarray, depth: np.ndarray) -> 
 
 
 def _boxes(plane: np.ndarray, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the least and greatest pixel (t, 2) of triangles (t, 3, 3) in homogeneous pixels.
+    """Return the boxes, low and high pixel (t, 2), of triangles (t, 3, 3) in homogeneous pixels.
 
-    Of what lies before the camera; `size` is (width, height). Empty where nothing does.
+    Only what lies in front of the near plane counts; `size` is (width, height). Low is above high
+    for a triangle that is not visible at all.
     """
     following = np.roll(plane, -1, axis=1)
     near, beyond = plane[..., 2] >= NEAR_M, following[..., 2] >= NEAR_M
@@ -300,9 +301,9 @@ def sample(levels: list[np.ndarray], uv: np.ndarray, footprint: np.ndarray) -> n
 
 
 def _bilinear(image: np.ndarray, uv: np.ndarray) -> np.ndarray:
-    """Return (p, 3) colours of a repeating image between its texels (OpenCV: 1/32 texel)."""
+    """Return (p, 3) colours of a repeating image, bilinear (OpenCV: in steps of 1/32 texel)."""
     height, width = image.shape[:2]
-    count, row = len(uv), 4096  # remap wants pictures, not rows of millions
+    count, row = len(uv), 4096  # cv2.remap limits the width of an image
     texel = np.zeros((-(-count // row) * row, 2), dtype=np.float32)
     texel[:count] = (uv - np.floor(uv)) * np.array([width, height], dtype=np.float32) - 0.5
     x, y = texel[:, 0].reshape(-1, row), texel[:, 1].reshape(-1, row)

@@ -1,4 +1,4 @@
-"""rooms.jpg: every room as one sees it who stands in it."""
+"""rooms.jpg: a picture of every room, as seen by a person who stands in it."""
 
 from __future__ import annotations
 
@@ -21,28 +21,29 @@ from plan2scene_app.pictures.renderer import look_at
 
 @dataclass(frozen=True)
 class RoomViewSettings:
-    """From where rooms are pictured."""
+    """How the camera of a room's picture is chosen."""
 
     size: tuple[int, int] = (280, 420)  #: height and width of a picture, pixels
     columns: int = 3  #: pictures in a row of the sheet
-    step_px: int = 16  #: between the pixels that tell what a picture shows
-    eye_m: float = 1.5  #: of the camera, above the floor
-    fov_deg: float = 88.0  #: horizontal field of view, as of wide-angle photos of rooms
+    step_px: int = 16  #: distance of the pixels whose rays measure what a picture shows
+    eye_m: float = 1.5  #: height of the camera above the floor
+    fov_deg: float = 88.0  #: horizontal field of view, as in wide-angle photos of rooms
     clear_m: float = 0.35  #: distance kept from walls
-    #: Metres below the eye that one looks at 1 m ahead: the first in large rooms, in rooms of up to
-    #: `close_m2` whichever shows most, in those below `small_m2` not the first.
+    #: How far the camera looks down: metres below the eye at 1 m ahead. Large rooms use the first
+    #: value. Rooms below `close_m2` use the value that shows most, those below `small_m2` never the
+    #: first.
     look_down: tuple[float, ...] = (0.22, 0.5, 0.9)
     close_m2: float = 8.0
-    standpoints: int = 24  #: of the longest lines across a room, compared by what is seen
-    small_m2: float = 2.0  #: smaller rooms are seen from their doors,
-    door_m: float = 0.05  #: so far within the room
-    near_m: float = 0.6  #: what is nearer stands in the way, and what is no floor or wall
-    near_thing_m: float = 1.3  #: where it is nearer than this:
-    most_near: float = 0.08  #: it may fill this share of a picture
-    least_facing: float = 0.1  #: cosine: what is seen at a flatter angle counts as at this one
-    windows: float = 0.6  #: what all windows count, beside all of the floor and of the walls
+    standpoints: int = 24  #: largest number of lines across a room that are compared, longest first
+    small_m2: float = 2.0  #: smaller rooms are seen from their doors
+    door_m: float = 0.05  #: distance of such a camera from the room's edge
+    near_m: float = 0.6  #: surfaces of rooms nearer than this stand in the way
+    near_thing_m: float = 1.3  #: other things nearer than this stand in the way
+    most_near: float = 0.08  #: share of a picture that things in the way may fill
+    least_facing: float = 0.1  #: lower bound of the cosine by which a seen area is divided
+    windows: float = 0.6  #: weight of all windows; the whole floor and all walls each have weight 1
     wide_m: float = 1.25  #: wider doors to the outside, of a garage or patio, count as windows
-    panes: tuple[float, ...] = (0.25, 0.75)  #: where along a window it is looked for
+    panes: tuple[float, ...] = (0.25, 0.75)  #: points along a window that are tested if seen
     least_pane: float = 0.25  #: cosine: a window that is seen at a flatter angle does not count
 
 
@@ -52,7 +53,7 @@ SETTINGS = RoomViewSettings()
 def render_rooms(house: House, rays: Rays | None, painter: Painter) -> np.ndarray:
     """Return a sheet of a picture of each room, (h, w, 3) uint8 sRGB.
 
-    A small room of which only its door's leaf would be seen is left out.
+    A small room is left out if near things, such as its door's leaf, fill too much of its picture.
     """
     cameras = {room.id: camera_in(house, room.id, rays) for room in house.rooms}
     for room in house.rooms:
@@ -71,8 +72,8 @@ def render_rooms(house: House, rays: Rays | None, painter: Painter) -> np.ndarra
 def camera_in(house: House, room_id: str, rays: Rays | None) -> Camera:
     """Return a camera at eye level in a room that shows most of its floor, walls and windows.
 
-    It stands at the end of one of the longest lines across the room, in a small room in a door,
-    and nothing at arm's length fills the picture. Without `rays` the longest line.
+    It stands at the end of one of the longest lines across the room; in a small room it stands in a
+    door. Pictures with too many near things get a low score. Without `rays` the first line is used.
     """
     room = house.room(room_id)
     polygon = room_polygon(room)
@@ -96,7 +97,7 @@ def camera_in(house: House, room_id: str, rays: Rays | None) -> Camera:
 
 
 def _camera(eye: np.ndarray, target: np.ndarray, height: float, look_down: float) -> Camera:
-    """Return a camera at `eye` that looks towards `target`, (x, z) both, a little down."""
+    """Return a camera at `eye` that looks towards `target`, both (x, z), and `look_down` down."""
     focal = focal_of(np.radians(SETTINGS.fov_deg), SETTINGS.size[1])
     way = (target - eye) / max(float(np.linalg.norm(target - eye)), 1e-9)
     ahead = np.array([eye[0] + way[0], height - look_down, eye[1] + way[1]])
@@ -104,7 +105,7 @@ def _camera(eye: np.ndarray, target: np.ndarray, height: float, look_down: float
 
 
 def _seen_area(camera: Camera, room_id: str, rays: Rays) -> tuple[tuple[float, float], float]:
-    """Return how much of a room's floor and walls a picture shows, m2, and its near share."""
+    """Return the seen area (m2) of a room's floor and walls, and the share of near pixels."""
     ways = directions(camera, SETTINGS.step_px).reshape(-1, 3)
     eyes = np.tile(camera.position, (len(ways), 1))
     triangles = rays.hits(eyes, ways)
@@ -126,10 +127,7 @@ def _seen_area(camera: Camera, room_id: str, rays: Rays) -> tuple[tuple[float, f
 
 
 def _panes(house: House, room_id: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return points (n, 3) on a room's windows and wide doors to the outside.
-
-    And which way these face, (n, 3).
-    """
+    """Return points (n, 3) on a room's windows and wide outer doors, and their normals (n, 3)."""
     floor = house.level_of(room_id).elevation
     outside = {room.id for room in house.rooms if room.open_air or room.id == room_id}
     points, normals = [], []
@@ -147,7 +145,7 @@ def _panes(house: House, room_id: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _seen_share(camera: Camera, points: np.ndarray, normals: np.ndarray, rays: Rays) -> float:
-    """Return the share of points (n, 3) that a picture shows, not from the side; 0 of none."""
+    """Return the share of points (n, 3) that a picture shows, not too flat; 0 if there are none."""
     if not len(points):
         return 0.0
     ways = points - camera.position
@@ -161,7 +159,7 @@ def _seen_share(camera: Camera, points: np.ndarray, normals: np.ndarray, rays: R
 
 
 def _doorways(house: House, room: Room) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Return where one stands in a room's doors and passages to look at its middle, (x, z) each."""
+    """Return lines (eye, target), (x, z) each, from a room's doors and passages to its middle."""
     polygon = room_polygon(room)
     inside, middle = polygon.buffer(-SETTINGS.door_m), np.array(polygon.centroid.coords[0])
     lines = []
@@ -179,7 +177,7 @@ def _doorways(house: House, room: Room) -> list[tuple[np.ndarray, np.ndarray]]:
 
 
 def standpoints(polygon: BaseGeometry) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Return where one may stand in a room and look at, (x, z) each: the longest clear lines."""
+    """Return lines (eye, target), (x, z) each, along the longest clear lines across a room."""
     free = polygon
     for share in (1, 2, 4):
         smaller = polygon.buffer(-SETTINGS.clear_m / share, join_style="mitre")

@@ -1,4 +1,4 @@
-"""The texture sheet: a house's reference crops and each method's tiles, 2 x 2, to look at."""
+"""The texture sheet: a picture of a house's reference crops and each method's tiles, 2 x 2."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ _PALE = (225, 225, 225)
 
 @dataclass(frozen=True, eq=False)
 class SheetRow:
-    """A surface on a sheet: the lines beside its row, and (s, s, 3) uint8 tiles by method.
+    """A surface on a sheet: lines of text for its row, and (s, s, 3) uint8 tiles by method.
 
-    `reference` (s, s, 3) uint8 is the crop that metrics compare with; None where no photo shows
-    the surface.
+    `reference` (s, s, 3) uint8 is the crop with which metrics compare the tiles; None if no photo
+    shows the surface.
     """
 
     title: tuple[str, ...]
@@ -44,7 +44,7 @@ class SheetRow:
 def sheet_rows(textures: Mapping[str, str | Path], crops: str | Path) -> dict[SurfaceKey, SheetRow]:
     """Return a row for each surface of a house, room by room.
 
-    `textures` maps a method to its folder of the texture stage, `crops` is the house's
+    `textures` maps a method to its output folder of the texture stage; `crops` is the house's
     ``crops.parquet``.
     """
     references = reference_images(read_parquet(crops)[0], [])
@@ -65,7 +65,7 @@ def sheet_rows(textures: Mapping[str, str | Path], crops: str | Path) -> dict[Su
 
 
 def _order(name: str) -> tuple[str, int]:
-    """Return what sorts ``room/surface`` by room, then floor, wall, ceiling."""
+    """Return a key that sorts names ``room/surface`` by room, then floor, wall, ceiling."""
     room, surface = name.rsplit("/", 1)
     return room, SURFACES.index(surface)
 
@@ -73,7 +73,7 @@ def _order(name: str) -> tuple[str, int]:
 def write_texture_sheet(
     output: str | Path, textures: Mapping[str, str | Path], crops: str | Path, *, house: str
 ) -> None:
-    """Write a house's sheet as PNG; parameters as of :func:`sheet_rows`."""
+    """Write a house's sheet as PNG; for the parameters see :func:`sheet_rows`."""
     rows = list(sheet_rows(textures, crops).values())
     page = draw_sheet(f"{house}: tiles, each twice in both directions", rows)
     with atomic_path(output) as temporary:
@@ -81,7 +81,7 @@ def write_texture_sheet(
 
 
 def draw_sheet(title: str, rows: Sequence[SheetRow]) -> Image.Image:
-    """Return rows as a picture: reference crop, then a method a column, COLOR below each."""
+    """Return a picture of rows: the reference crop, then each method's tile with its COLOR."""
     methods = list(rows[0].tiles) if rows else []
     step = _CELL + _GAP
     width = _LABEL + (len(methods) + 1) * step + _GAP
@@ -108,7 +108,7 @@ def draw_sheet(title: str, rows: Sequence[SheetRow]) -> Image.Image:
 def _paste(
     page: Image.Image, corner: tuple[int, int], image: np.ndarray | None, times: int
 ) -> None:
-    """Put an image, repeated `times` in both directions, into a cell; a pale field for None."""
+    """Paste an image, repeated `times` in both directions, into a cell; a pale field for None."""
     if image is None:
         page.paste(_PALE, (*corner, corner[0] + _CELL, corner[1] + _CELL))
         return

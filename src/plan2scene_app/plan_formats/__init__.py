@@ -1,1 +1,1 @@
-"""Plans that other programs drew: rooms as outlines, walls as axes with a thickness."""
+"""Read plans of other programs: rooms as outlines, walls as axes with a thickness."""

@@ -1,4 +1,4 @@
-"""Walls as axes with a thickness: of areas, of openings in them, and the rooms that they close."""
+"""Walls as axes with a thickness: made of areas, with the rooms they close and their openings."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from plan2scene.errors import InputError
 from plan2scene.plans.openings import Segment
 from plan2scene.plans.parse import MAX_ITEMS, Source
 
-#: Thickness in metres of a wall that has none.
+#: Thickness in metres of a wall whose file gives none.
 DEFAULT_THICKNESS = 0.1
-#: Most wall axes of a plan.
+#: Largest number of wall axes of a plan.
 MAX_AXES = 5000
-#: Most pairs of walls that meet, and of lines of walls side by side.
+#: Largest number of pairs of walls that meet, and of pairs of wall lines side by side.
 MAX_PAIRS = 200_000
 #: Bottom and top in metres of an opening whose file gives none.
 HEIGHTS = {"door": (0.0, 2.05), "passage": (0.0, 2.2), "window": (0.9, 2.1)}
@@ -31,51 +31,51 @@ HEIGHTS = {"door": (0.0, 2.05), "passage": (0.0, 2.2), "window": (0.9, 2.1)}
 class DrawingSettings:
     """The tuned numbers of reading other programs' drawings.
 
-    Metres and square metres as buildings and their drawings usually have them, set by hand; which
-    files of other programs are read with them is in docs/measurements/formats.md.
+    Metres and square metres that are usual in buildings and their drawings, set by hand. The file
+    docs/measurements/formats.md lists which files of other programs are read with them.
     """
 
     # Walls as axes.
-    join: float = 0.02  #: m within which ends of axes meet
-    least_reach: float = 0.08  #: m that a loose end reaches at least, however thin the walls
+    join: float = 0.02  #: m within which ends of axes are joined
+    least_reach: float = 0.08  #: m: a loose end is extended by up to this even if walls are thin
     grid: float = 1e-3  #: m that crossings are rounded to
     room_area: float = 0.3  #: m2: smaller faces are the inside of walls
-    room_width: float = 0.3  #: m: narrower ones, too
-    wall_angle: float = math.radians(10)  #: rad between a room's edge and the wall along it
+    room_width: float = 0.3  #: m: narrower faces are the inside of walls, too
+    wall_angle: float = math.radians(10)  #: rad: largest angle from a room's edge to its wall
     # Walls as lines.
     faces: tuple[float, float] = (0.04, 0.6)  #: m between the two faces of a wall
-    face_angle: float = math.radians(2.0)  #: rad between them
-    shared: float = 0.5  #: share of the shorter face that the other goes along
-    covered: float = 0.7  #: share of a line with faces opposite from which it needs no other
+    face_angle: float = math.radians(2.0)  #: rad: largest angle between them
+    shared: float = 0.5  #: least share of the shorter line that lies beside the longer one
+    covered: float = 0.7  #: a line with partners along this share of it gets no further one
     touch: float = 0.05  #: m within which lines of one door or window touch
-    panes: float = 0.4  #: m between its parallel lines
-    overlap: float = 0.05  #: m that a wall through an opening goes on into the wall beside it
+    panes: float = 0.4  #: m: largest distance between its parallel lines
+    overlap: float = 0.05  #: m by which a wall through an opening overlaps the wall beside it
     thin: float = 0.5  #: m: a thinner face between lines is a wall's body
-    rectangle: float = 0.85  #: share of the rectangle around it that a wall's outline fills
-    flat: float = 0.02  #: m between a curve and the lines that it is cut into
-    arc_step: float = math.radians(15.0)  #: rad that a piece of a curved wall turns at most
+    rectangle: float = 0.85  #: least share of its bounding rectangle that a wall's outline fills
+    flat: float = 0.02  #: m: largest distance of a curve from the lines that replace it
+    arc_step: float = math.radians(15.0)  #: rad: largest turn of a piece of a curved wall
     # Gaps between walls in line.
     gap: tuple[float, float] = (0.5, 1.3)  #: m of a gap that is a passage
-    gap_room: float = 2.5  #: m2 of the smallest room that a gap closes
-    in_line: float = math.radians(8.0)  #: rad between the walls beside it
-    off_line: float = 0.15  #: m between their lines
+    gap_room: float = 2.5  #: m2 of the smallest room that a gap may close
+    in_line: float = math.radians(8.0)  #: rad: largest angle between the walls beside a gap
+    off_line: float = 0.15  #: m: largest distance between their lines
     # What is unlikely.
-    most_height: float = 6.0  #: m of a room
-    most_floor: tuple[float, float] = (6000.0, 50_000.0)  #: m2 of a storey: a doubt, none
-    bordering: float = 0.6  #: share of the walls that border a room, below which it is a doubt
+    most_height: float = 6.0  #: m of a room; higher ones get a warning
+    most_floor: tuple[float, float] = (6000.0, 50_000.0)  #: m2 of a storey: warning, error above
+    bordering: float = 0.6  #: least share, of the walls' length, of walls along rooms; else warned
     # Rooms and openings.
-    drawn_share: float = 0.1  #: share of a face that drawn rooms cover, below which it is a room
-    agreement: float = 0.1  #: share by which scales of areas written in rooms may differ
-    same_opening: float = 0.4  #: m between the middles of two openings that are one
-    opening_side: float = 0.35  #: m of an opening's shortest side along its wall
-    at_hinge: float = 0.1  #: m between a hinge and a side that goes through it
-    opening_slack: float = 0.1  #: m between an opening and the face of its wall
-    opening_reach: float = 0.3  #: m between it and a wall of unknown thickness
+    drawn_share: float = 0.1  #: a face with a larger share under drawn rooms is no room of its own
+    agreement: float = 0.1  #: share by which scales of sizes written in rooms may differ
+    same_opening: float = 0.4  #: m: openings whose middles are nearer are one
+    opening_side: float = 0.35  #: m: shortest side of an opening's area along its wall
+    at_hinge: float = 0.1  #: m within which a side goes through a hinge
+    opening_slack: float = 0.1  #: m: largest distance of an opening from the face of its wall
+    opening_reach: float = 0.3  #: m: the same for a wall of unknown thickness
     widths: tuple[float, float] = (0.4, 6.0)  #: m of doors and windows in DXF
     sill: float = 0.3  #: m: an opening that begins higher is a window
-    walled: float = 0.2  #: share of a line between two rooms with walls, below which it is open
+    walled: float = 0.2  #: with a smaller share of wall, the line between two rooms is a passage
     passage: float = 0.5  #: m of the shortest such passage
-    far: float = 20.0  #: m from 0 beyond which the lowest floor is taken for 0
+    far: float = 20.0  #: m: a lowest floor further from 0 is moved to 0, and the others with it
 
 
 SETTINGS = DrawingSettings()
@@ -83,9 +83,9 @@ SETTINGS = DrawingSettings()
 
 @dataclass(frozen=True)
 class WallAxis:
-    """A wall by the segment (x, z) in its middle; metres.
+    """A wall, given by the segment (x, z) in its middle; metres.
 
-    Thickness 0: the segment is the wall's face, as scans have it. Height 0: not known.
+    Thickness 0: the segment is a face of the wall, as in scans. Height 0: not known.
     """
 
     start: house.Point
@@ -95,9 +95,9 @@ class WallAxis:
 
 
 def distinct(axes: Iterable[WallAxis]) -> list[WallAxis]:
-    """Return walls once each: of several between the same ends (to `SETTINGS.grid`) the first.
+    """Return walls without duplicates, which have the same ends (to `SETTINGS.grid`).
 
-    It is as thick and as high as the thickest and the highest of them.
+    The first one is kept, with the largest thickness and the largest height of them.
     """
     once: dict[tuple[tuple[int, int], ...], WallAxis] = {}
     for axis in axes:
@@ -109,15 +109,15 @@ def distinct(axes: Iterable[WallAxis]) -> list[WallAxis]:
 
 
 def same_ends(start: Sequence[float], end: Sequence[float]) -> tuple[tuple[int, int], ...]:
-    """Return a key that segments between the same ends have, to `SETTINGS.grid`, either way."""
+    """Return a key for a segment's ends, to `SETTINGS.grid`, in either order."""
     ends = [(round(x / SETTINGS.grid), round(z / SETTINGS.grid)) for x, z in (start, end)]
     return tuple(sorted(ends))
 
 
 def limit_pairs(lines: Sequence[LineString], distance: float, what: str) -> None:
-    """Raise InputError where more than `MAX_PAIRS` pairs of lines are within a distance.
+    """Raise InputError if more than `MAX_PAIRS` pairs of lines are within a distance.
 
-    They are counted a few lines at a time: the count takes no more time than its limit.
+    The pairs are counted a few lines at a time, so that the count stops soon after the limit.
     """
     tree, count, step = STRtree(lines), 0, 50
     for k in range(0, len(lines), step):
@@ -130,8 +130,8 @@ def limit_pairs(lines: Sequence[LineString], distance: float, what: str) -> None
 def rooms_of_axes(source: Source, axes: Sequence[WallAxis]) -> list[Polygon]:
     """Return the floors between walls: the faces that the axes close, less the walls' bodies.
 
-    A loose end is drawn on to the axis whose body it touches. Sorted from top to bottom, then
-    left to right; no face at all is an empty list.
+    A loose end is extended to the axis whose body it touches. Floors are sorted from top to bottom,
+    then left to right.
 
     Raises InputError for more axes than a plan may have.
     """
@@ -160,10 +160,10 @@ def rooms_of_axes(source: Source, axes: Sequence[WallAxis]) -> list[Polygon]:
 
 
 def gaps_in_line(axes: Sequence[WallAxis]) -> list[WallAxis]:
-    """Return pieces that join walls in line, from an end to the end that faces it.
+    """Return pieces of wall that fill the gap between walls in line, from end to facing end.
 
-    A piece lies between two ends that nothing joins, or outside all rooms that the walls close: a
-    corridor between two walls in line stays open.
+    A piece lies between two free ends, or outside all rooms that the walls close already, so that
+    a corridor between two walls in line stays open.
     """
     axes = [axis for axis in axes if math.dist(axis.start, axis.end) > SETTINGS.join]
     lines = [LineString([axis.start, axis.end]) for axis in axes]
@@ -192,8 +192,8 @@ def gaps_in_line(axes: Sequence[WallAxis]) -> list[WallAxis]:
 
 
 def _facing(ends: np.ndarray, thickness: np.ndarray) -> list[tuple[int, int]]:
-    """Return for each end (index into `ends` (2n, 2)) the nearest one that faces it in line."""
-    from scipy.spatial import cKDTree  # a third of a second that no other format needs
+    """Return (end, other), indices into `ends` (2n, 2): the nearest end that faces each in line."""
+    from scipy.spatial import cKDTree  # slow to import (0.3 s), not always needed
 
     outward = ends - ends.reshape(-1, 2, 2)[:, ::-1].reshape(-1, 2)
     outward /= np.linalg.norm(outward, axis=1, keepdims=True)
@@ -214,7 +214,7 @@ def _facing(ends: np.ndarray, thickness: np.ndarray) -> list[tuple[int, int]]:
 
 
 def _is_free(end: np.ndarray, own: int, lines: Sequence[LineString], tree: STRtree) -> bool:
-    """Return whether no other wall is at an end; a stroke across it, as doors have, is none."""
+    """Return whether no other wall is at an end; a short stroke, as at doors, is no wall."""
     place = Point(end)
     near = tree.query(place, predicate="dwithin", distance=SETTINGS.touch)
     return not any(k != own and lines[k].length > SETTINGS.room_width for k in near)
@@ -226,8 +226,8 @@ def is_floor(face: Polygon) -> bool:
 
 
 def _joined(axes: Sequence[WallAxis]) -> list[WallAxis]:
-    """Return the axes with near ends made one, and loose ends drawn to the wall they touch."""
-    from scipy.spatial import cKDTree  # a third of a second that no other format needs
+    """Return the axes with near ends merged, and loose ends extended to the wall they touch."""
+    from scipy.spatial import cKDTree  # slow to import (0.3 s), not always needed
 
     points = np.array([end for axis in axes for end in (axis.start, axis.end)], dtype=np.float64)
     nodes = np.arange(len(points))
@@ -259,10 +259,9 @@ def _touched(
     lines: Sequence[LineString],
     tree: STRtree,
 ) -> np.ndarray | None:
-    """Return where a loose end (index into `points` (2n, 2)) meets the nearest other axis.
+    """Return the point where a loose end (index into `points` (2n, 2)) meets the nearest axis.
 
-    That is the crossing of both lines, when the bodies of both walls, `thickness` (n,) m, touch
-    there.
+    It is the crossing of both lines, if the bodies of both walls, `thickness` (n,) m, touch there.
     """
     own = end // 2
     here, other_end = points[end], points[end ^ 1]
@@ -287,18 +286,18 @@ def _touched(
 
 
 def _body(axis: WallAxis) -> Polygon:
-    """Return the area of a wall, drawn on by half its thickness at both ends."""
+    """Return the area of a wall, extended by half its thickness at both ends."""
     return LineString([axis.start, axis.end]).buffer(axis.thickness / 2, cap_style="square")
 
 
 def _plain(room: Polygon) -> Polygon:
-    """Return a room without points on straight lines and slivers of the grid."""
+    """Return a room without points on straight lines and slivers from rounding to the grid."""
     plain = room.simplify(2 * SETTINGS.grid)
     return plain if plain.is_valid and plain.area > 0 else room
 
 
 def axis_of_area(area: Polygon, height: float = 0.0) -> WallAxis | None:
-    """Return a wall's axis: along the longer side of the rectangle around its area.
+    """Return the axis of a wall's area, along the longer side of its bounding rectangle.
 
     It ends half a thickness before the rectangle does, where the axes of a corner cross. None for
     an area without a width.
@@ -317,7 +316,7 @@ def axis_of_area(area: Polygon, height: float = 0.0) -> WallAxis | None:
 def _middle_lines(area: Polygon) -> list[tuple[tuple[np.ndarray, np.ndarray], float]] | None:
     """Return both middle lines of the rectangle around an area, each with the width across it.
 
-    The longer comes first; None where the area has no width.
+    The longer line comes first. None if the area has no width.
     """
     box = area.minimum_rotated_rectangle
     if not isinstance(box, Polygon) or box.area < 1e-6:
@@ -331,7 +330,7 @@ def _middle_lines(area: Polygon) -> list[tuple[tuple[np.ndarray, np.ndarray], fl
 
 
 class NearestAxis:
-    """Finds the wall that an opening's area lies in."""
+    """Finds the wall in which an opening's area lies."""
 
     def __init__(self, axes: Sequence[WallAxis]) -> None:
         self._axes = distinct(axes)
@@ -356,10 +355,10 @@ class NearestAxis:
     def edge_segment(
         self, area: Polygon, name: str, kind: str, anchor: Point | None = None
     ) -> Segment | None:
-        """Return the segment of an opening whose area may stand out of its wall, as a swing does.
+        """Return the segment of an opening whose area may stick out of its wall, as a swing does.
 
-        That is the side or middle line of the area nearest to a wall that runs its way; of those
-        that go through the `anchor` (a hinge), where there are some.
+        It is that side or middle line of the area which is nearest to a parallel wall. If some of
+        them go through the `anchor` (a hinge), it is one of these.
         """
         box = area.minimum_rotated_rectangle
         sides = _middle_lines(area)
@@ -391,6 +390,6 @@ class NearestAxis:
 
 
 def _along(line: tuple[np.ndarray, np.ndarray], way: np.ndarray) -> float:
-    """Return the cosine between a line and a direction."""
+    """Return the absolute cosine of the angle between a line and a direction."""
     step = line[1] - line[0]
     return float(abs(step @ way) / max(np.linalg.norm(step) * np.linalg.norm(way), 1e-12))

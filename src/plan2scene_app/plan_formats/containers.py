@@ -1,4 +1,4 @@
-"""ZIP archives and XML from strangers, read within limits."""
+"""Read ZIP archives and XML from untrusted sources, within limits."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from xml.etree.ElementTree import Element, ParseError
 
 from plan2scene.plans.parse import Source
 
-#: Most bytes of an XML document, and its most elements.
+#: Largest number of bytes and of elements of an XML document.
 MAX_XML_BYTES = 64_000_000
 MAX_XML_ELEMENTS = 500_000
-#: Most entries of an archive.
+#: Largest number of an archive's entries that are looked at.
 MAX_ENTRIES = 50_000
 
 
 def zip_names(path: Path) -> list[str] | None:
-    """Return the names in a ZIP archive; None when it is none that can be read."""
+    """Return the names in a ZIP archive; None if the file is no readable archive."""
     try:
         with zipfile.ZipFile(path) as archive:
             return [entry.filename for entry in archive.infolist()[:MAX_ENTRIES]]
@@ -41,7 +41,7 @@ def zip_entry(source: Source, path: Path, name: str) -> bytes:
 def parse_xml(source: Source, content: bytes, *, doctype: bool = False) -> Element:
     """Return the root of an XML document.
 
-    Entities and external references are refused, and a DOCTYPE unless it is usual (`doctype`).
+    Entities and external references are refused. A DOCTYPE is refused unless `doctype` is set.
     """
     from defusedxml import DefusedXmlException
     from defusedxml.ElementTree import fromstring
@@ -51,7 +51,7 @@ def parse_xml(source: Source, content: bytes, *, doctype: bool = False) -> Eleme
     if content.count(b"<") > 2 * MAX_XML_ELEMENTS:
         raise source.fault(f"at most {MAX_XML_ELEMENTS} XML elements", "more")
     try:
-        # At once: in pieces, a long attribute takes the square of its length.
+        # All at once: fed in pieces, a long attribute takes time by the square of its length.
         root: Element = fromstring(content, forbid_dtd=not doctype)
     except DefusedXmlException as error:
         raise source.fault("XML without entities or outside references", repr(error)) from None
@@ -63,7 +63,7 @@ def parse_xml(source: Source, content: bytes, *, doctype: bool = False) -> Eleme
 def attribute(
     source: Source, element: Element, name: str, default: float | None = None, *, scale: float = 1.0
 ) -> float:
-    """Return a number of an element's attribute times `scale`; `default` (scaled too) if absent."""
+    """Return an attribute's number times `scale`; `default` times `scale` if it is absent."""
     text = element.get(name)
     what = f"{name} of {element.tag[-40:]} {(element.get('id') or '')[:60]}".strip()
     if text is None:

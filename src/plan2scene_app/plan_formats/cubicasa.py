@@ -1,7 +1,7 @@
-"""Reader of SVG plans in the classes of CubiCasa: Space, Wall, Door, Window, FixedFurniture.
+"""Reader of SVG plans with the classes of CubiCasa: Space, Wall, Door, Window, FixedFurniture.
 
-Pixels, x right, y down. The scale is given, or read: from a page size with a unit, or from areas
-or sides written in the rooms.
+Pixels, x right, y down. The scale is given by the user, or read from a page size with a unit, or
+from areas or sides written in the rooms.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ _LENGTH = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*(mm|cm|m|in)\s*")
 _METRES = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254}
 #: Deepest nesting of groups.
 MAX_DEPTH = 100
-#: Longest list of a polygon's points.
+#: Largest length of the text of a polygon's points.
 MAX_POINTS_TEXT = 200_000
-#: Least and largest scale in metres a pixel.
+#: Smallest and largest scale in metres a pixel.
 SCALES = (1e-5, 1.0)
-#: Most walls, rooms, openings and pieces of furniture of a page.
+#: Largest number of walls, rooms, openings and pieces of furniture of a page.
 MAX_ITEMS = 2 * (MAX_AXES + MAX_ROOMS)
 _KINDS = ("Space", "Wall", "Railing", "Door", "Window", "FixedFurniture")
 
@@ -63,7 +63,7 @@ def house_of_cubicasa(
 ) -> House:
     """Return the house of an SVG plan: the storey with the most floor.
 
-    Raises InputError for an SVG without such classes, and where no scale is given or written.
+    Raises InputError for an SVG without such classes, and if no scale is given or written.
     """
     source = Source(file, house_id)
     root = parse_xml(source, content, doctype=True)
@@ -121,7 +121,7 @@ def _drawing(source: Source, storey: _Storey, m: float) -> Drawing:
 
 
 def _read(source: Source, root: Element) -> list[_Storey]:
-    """Return the areas of each group of class Floor; those outside any are one of their own."""
+    """Return a storey for each group of class Floor, and one for the areas outside all of them."""
     outside = _Storey("the page")
     storeys = [outside]
     queue = [(root, np.eye(3), outside, 0)]
@@ -147,7 +147,7 @@ def _read(source: Source, root: Element) -> list[_Storey]:
 
 
 def _area(source: Source, element: Element, matrix: np.ndarray) -> Polygon | None:
-    """Return the area of the polygon right below an element, or below its BoundaryPolygon."""
+    """Return the area of the polygon that is a child of an element or of its BoundaryPolygon."""
     below = list(element)
     below += [item for child in below if child.get("class") == "BoundaryPolygon" for item in child]
     shape = next((item for item in below if item.tag.rsplit("}")[-1] == "polygon"), None)
@@ -195,9 +195,9 @@ def _matrix(source: Source, text: str) -> np.ndarray:
 
 
 def _page_scale(root: Element) -> float | None:
-    """Return metres a pixel of a page that is as large as the flat, else None.
+    """Return metres a pixel if the page is as large as the flat, else None.
 
-    Such a page has a width with a unit of length beside its viewBox; paper is smaller.
+    Such a page has a viewBox, and a width of more than 2 m with a unit; paper is smaller.
     """
     length = _LENGTH.fullmatch(root.get("width", ""))
     box = _NUMBER.findall(root.get("viewBox", ""))
@@ -208,7 +208,7 @@ def _page_scale(root: Element) -> float | None:
 
 
 def _written_scale(source: Source, storey: _Storey) -> float | None:
-    """Return metres a pixel by the sizes written in rooms, where they agree."""
+    """Return metres a pixel by the sizes written in rooms; InputError if they do not agree."""
     scales = []
     for _, area, text in storey.of("Space"):
         if area.area > 0:
@@ -225,7 +225,7 @@ def _written_scale(source: Source, storey: _Storey) -> float | None:
 
 
 def _by_sides(area: Polygon, text: str) -> list[float]:
-    """Return metres a pixel by two sides written in a room; none where they do not fit it."""
+    """Return metres a pixel by each two sides written in a room that fit the room's shape."""
     x0, y0, x1, y1 = area.bounds
     fitting = []
     for line in text.splitlines():

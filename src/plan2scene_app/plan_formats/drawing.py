@@ -1,7 +1,7 @@
-"""A plan as other programs draw it, of one storey or several, and the house that it means.
+"""Build a house from the drawing of another program, with one storey or several.
 
 A drawing has rooms as outlines, walls as axes with a thickness, or both; openings are segments.
-Rooms without walls get walls along their outlines, walls without rooms get the rooms that they
+Rooms without walls get walls along their outlines. Walls without rooms get the rooms that they
 close (:mod:`plan2scene_app.plan_formats.axes`).
 """
 
@@ -48,9 +48,9 @@ from plan2scene_app.plan_formats.axes import (
     rooms_of_axes,
 )
 
-#: Most openings of a plan.
+#: Largest number of openings of a plan.
 MAX_OPENINGS = 2000
-#: Most of them that are named each in a line of its own.
+#: Largest number of lost openings that get a warning each; more are counted in one warning.
 MAX_LINES = 3
 
 
@@ -58,8 +58,8 @@ MAX_LINES = 3
 class DrawnRoom:
     """A room as drawn: its name as written, its rings (x, z) in metres, its height if given.
 
-    `types` where the format has them; else they are read from the name. `called` where people
-    gave that, no program.
+    `types` are given by some formats, else they are read from the name. `called` tells whether a
+    person gave the name (not a program), so that it is shown to people.
     """
 
     name: str
@@ -71,18 +71,18 @@ class DrawnRoom:
 
 @dataclass
 class Drawing:
-    """What a reader found in a file, in metres, points (x, z)."""
+    """What a format's reader found in a file: points (x, z) in metres."""
 
     rooms: list[DrawnRoom] = field(default_factory=list)
     axes: list[WallAxis] = field(default_factory=list)
     openings: list[Segment] = field(default_factory=list)
     icons: list[IconBox] = field(default_factory=list)
-    stairs: list[Stairs] = field(default_factory=list)  # up to a next storey, ends known
+    stairs: list[Stairs] = field(default_factory=list)  # to the next storey, from the lower end
     height: float = DEFAULT_HEIGHT
-    asked: int = 0  # how often `shows` was called
+    asked: int = 0  # number of calls of `shows`
 
     def add_room(self, room: DrawnRoom) -> None:
-        """Add a room; InputError for more rooms, or corners of one, than a plan may have."""
+        """Add a room; InputError for too many rooms or too many corners of a room."""
         if len(self.rooms) >= MAX_ROOMS:
             raise InputError(f"at most {MAX_ROOMS} rooms", "more")
         if (corners := sum(map(len, room.rings))) > MAX_CORNERS:
@@ -94,14 +94,14 @@ class Drawing:
         return sum(Polygon(room.rings[0]).area for room in self.rooms)
 
     def size(self) -> float:
-        """Return the floor area in square metres, and a little for each metre of wall."""
+        """Return the floor area in square metres plus 0.001 for each metre of wall."""
         lengths = (math.dist(axis.start, axis.end) for axis in self.axes)
         return self.floor() + 1e-3 * sum(lengths)
 
     def shows(self, start: Point, end: Point, kind: str | None = None) -> bool:
-        """Return whether an opening (of that kind, if given) is where this segment is.
+        """Return whether the drawing has an opening (of the kind, if given) at this segment.
 
-        InputError for more openings than a plan may have, each shown by two rooms.
+        Raises InputError after twice `MAX_OPENINGS` calls, as two rooms may show each opening.
         """
         self.asked += 1
         if self.asked > 2 * MAX_OPENINGS:
@@ -114,7 +114,7 @@ class Drawing:
 
 
 def largest_storey(source: Source, storeys: Sequence[tuple[str, float]]) -> int:
-    """Return which of the storeys (name, size) is the largest; the others are warned of."""
+    """Return the index of the largest storey (name, size); warn that the others are left out."""
     chosen = max(range(len(storeys)), key=lambda k: storeys[k][1])
     if len(storeys) > 1:
         left = ", ".join(name for k, (name, _) in enumerate(storeys) if k != chosen)
@@ -123,10 +123,10 @@ def largest_storey(source: Source, storeys: Sequence[tuple[str, float]]) -> int:
 
 
 def house_of_drawing(source: Source, drawing: Drawing, taken: set[str] | None = None) -> House:
-    """Return the house of a drawing; rooms get ids that are not `taken`, which are added.
+    """Return the house of a drawing; its rooms get ids not yet in `taken`, which are added there.
 
-    An opening that no wall is near is left out with a warning. Raises InputError where there are
-    neither rooms nor walls that close one, or more than a house can have.
+    An opening without a wall near it is left out with a warning. Raises InputError if there are
+    neither rooms nor walls that close one, or too many of anything.
     """
     source.identifier(source.house_id, "a house name")
     drawing = replace(drawing, axes=distinct(drawing.axes))
@@ -152,7 +152,7 @@ def house_of_drawing(source: Source, drawing: Drawing, taken: set[str] | None = 
 
 
 def _doubt(source: Source, drawing: Drawing, rooms: Sequence[Room]) -> None:
-    """Warn of rooms of an unlikely size and walls that border none; refuse an impossible floor."""
+    """Warn of unlikely room sizes and of walls without a room; refuse an impossible floor area."""
     polygons = [Polygon(room.rings[0], room.rings[1:]) for room in rooms]
     floor = sum(polygon.area for polygon in polygons)
     if floor > SETTINGS.most_floor[1]:
@@ -172,7 +172,7 @@ def _doubt(source: Source, drawing: Drawing, rooms: Sequence[Room]) -> None:
 
 
 def _bordering(axes: Sequence[WallAxis], rooms: Sequence[Polygon]) -> list[bool]:
-    """Return which walls run along the outline of a room."""
+    """Return for each wall whether it runs along a room's outline."""
     reach = SETTINGS.opening_reach + max(axis.thickness for axis in axes) / 2
     near = unary_union([room.boundary for room in rooms]).buffer(reach)
     lines = [LineString([axis.start, axis.end]) for axis in axes]
@@ -180,14 +180,14 @@ def _bordering(axes: Sequence[WallAxis], rooms: Sequence[Polygon]) -> list[bool]
 
 
 def bordering_share(axes: Sequence[WallAxis], rooms: Sequence[Polygon]) -> float:
-    """Return the share of the length of all walls that borders a room."""
+    """Return the share, of the length of all walls, of walls along a room's outline."""
     lengths = [math.dist(axis.start, axis.end) for axis in axes]
     beside = _bordering(axes, rooms)
     return sum(v for v, has in zip(lengths, beside, strict=True) if has) / max(sum(lengths), 1e-9)
 
 
 def _rooms(source: Source, drawing: Drawing, taken: set[str]) -> list[Room]:
-    """Return the rooms drawn, and those that walls close where none is drawn."""
+    """Return the drawn rooms, and those that walls close where no room is drawn."""
     drawn = list(drawing.rooms)
     if len(drawn) > MAX_ROOMS:
         raise source.fault(f"at most {MAX_ROOMS} rooms", len(drawn))
@@ -224,14 +224,15 @@ def _rooms(source: Source, drawing: Drawing, taken: set[str]) -> list[Room]:
 def closed_rooms(source: Source, drawing: Drawing) -> list[Polygon]:
     """Return the floors that the walls of a drawing close.
 
-    Where it has no rooms, gaps between walls in line become passages of it, with a warning.
+    If it has no rooms, gaps between walls in line become passages, with a warning: they are added
+    to its `axes` and `openings`.
     """
     faces = rooms_of_axes(source, drawing.axes)
     gaps = [] if drawing.rooms else gaps_in_line(drawing.axes)
     if not gaps:
         return faces
     reach = SETTINGS.touch + max(axis.thickness for axis in drawing.axes) / 2
-    for _ in range(2):  # without the gaps that close a cupboard, and then those beside them
+    for _ in range(2):  # drop the gaps that close a cupboard, then those beside them
         closed = rooms_of_axes(source, [*drawing.axes, *gaps])
         tree = STRtree([face.exterior for face in closed])
         kept = []
@@ -264,7 +265,7 @@ def _ring(ring: LineString) -> Ring:
 
 
 class _Axes:
-    """Wall axes, found by the segments that they follow."""
+    """Finds the wall axes that lie along a segment."""
 
     def __init__(self, axes: Sequence[WallAxis]) -> None:
         self.axes = axes
@@ -275,7 +276,7 @@ class _Axes:
         )
 
     def near(self, start: tuple[float, float], end: tuple[float, float]) -> list[tuple[float, int]]:
-        """Return (metres of the segment that the axis follows, axis), longest first."""
+        """Return (metres of the segment along an axis, index of the axis), longest first."""
         line = LineString([start, end])
         followed = []
         for k in self._tree.query(line, predicate="dwithin", distance=self._reach):
@@ -291,7 +292,7 @@ class _Axes:
         return sorted(followed, key=lambda pair: (-pair[0], pair[1]))
 
     def applied(self, wall: Wall) -> Wall:
-        """Return a wall with the thickness and height of the axis that it follows longest."""
+        """Return a wall with the thickness and height of the axis along most of it."""
         followed = self.near(wall.start, wall.end)
         if not followed:
             return wall
@@ -300,17 +301,17 @@ class _Axes:
         return replace(wall, depth=depth, height=axis.height or wall.height)
 
     def thickness(self, segment: Segment) -> float | None:
-        """Return the thickness of the wall that an opening is in; None when there is none."""
+        """Return the thickness of an opening's wall; None if there is no wall or no thickness."""
         followed = self.near(segment.start, segment.end)
         return self.axes[followed[0][1]].thickness or None if followed else None
 
     def share(self, wall: Wall) -> float:
-        """Return how much of a wall's length axes follow."""
+        """Return the share of a wall's length with axes along it."""
         return min(sum(length for length, _ in self.near(wall.start, wall.end)) / wall.length, 1.0)
 
 
 def _parallel(start: tuple[float, float], end: tuple[float, float], axis: WallAxis) -> bool:
-    """Return whether a segment and an axis run one way."""
+    """Return whether a segment and an axis are nearly parallel."""
     a, b = np.subtract(end, start), np.subtract(axis.end, axis.start)
     cross = abs(a[0] * b[1] - a[1] * b[0])
     return bool(cross <= math.sin(SETTINGS.wall_angle) * float(np.hypot(*a) * np.hypot(*b)))
@@ -319,7 +320,7 @@ def _parallel(start: tuple[float, float], end: tuple[float, float], axis: WallAx
 def _with_openings(
     source: Source, walls: list[Wall], openings: Sequence[Segment], along: _Axes
 ) -> list[Wall]:
-    """Return the walls with the openings that lie on one; the others are warned of."""
+    """Return the walls with the openings placed in them; openings near no wall give a warning."""
     placed, pairs = list(walls), 0
     lost: list[str] = []
     tree = STRtree([LineString([wall.start, wall.end]) for wall in walls])
@@ -348,7 +349,7 @@ def _with_openings(
 
 
 def _cut_to_height(wall: Wall) -> Wall:
-    """Return a wall with its openings cut at its top; those above it are left out."""
+    """Return a wall with its openings cut to its height; those above its top are left out."""
     openings = (
         replace(opening, bottom=max(opening.bottom, 0.0), top=min(opening.top, wall.height))
         for opening in wall.openings
@@ -357,7 +358,7 @@ def _cut_to_height(wall: Wall) -> Wall:
 
 
 def _opened(wall: Wall, along: _Axes, number: int) -> Wall:
-    """Return a line between two rooms that no wall follows as a passage, others as they are."""
+    """Return a wall of two rooms as an open passage if no axis lies along it, else as it is."""
     open_line = len(wall.room_ids) == 2 and not wall.openings and wall.length >= SETTINGS.passage
     if not open_line or along.share(wall) >= SETTINGS.walled:
         return wall
@@ -365,7 +366,7 @@ def _opened(wall: Wall, along: _Axes, number: int) -> Wall:
     return replace(wall, openings=(passage,))
 
 
-#: Words of a piece's name that mean stairs.
+#: Words in the name of a piece of furniture that mean stairs.
 STAIR_WORDS = frozenset(
     {"stairs", "staircase", "stair", "treppe", "escalier", "escalera", "scala", "scale", "trap"}
 )
@@ -381,10 +382,10 @@ class DrawnStorey:
 
 
 def house_of_storeys(source: Source, storeys: Iterable[DrawnStorey]) -> House:
-    """Return the house of drawings one above the other; one drawing is a house without levels.
+    """Return the house of storeys one above the other; a single storey gives no levels.
 
-    Of storeys at nearly one elevation the largest is read; the others, and storeys on which
-    nothing is a room, are left out with a warning. Raises InputError where none has rooms.
+    Of storeys at nearly the same elevation only the largest is read. The others, and storeys
+    without rooms, are left out with a warning. Raises InputError if no storey has rooms.
     """
     apart = _apart(source, sorted(storeys, key=lambda storey: storey.elevation))
     if len(apart) == 1:
@@ -403,7 +404,7 @@ def house_of_storeys(source: Source, storeys: Iterable[DrawnStorey]) -> House:
             source.warnings.append(f"{error} on level {storey.name}; left out")
             continue
         height = storey.drawing.height
-        shown = storey.name.encode("utf-8", "replace").decode()  # half a surrogate pair is no text
+        shown = storey.name.encode("utf-8", "replace").decode()  # replaces half a surrogate pair
         level = Level(free_id(storey.name, names, "floor"), shown, storey.elevation - base, height)
         houses.append((level, house))
         stairs += [replace(flight, level=level.id) for flight in storey.drawing.stairs]
@@ -413,7 +414,7 @@ def house_of_storeys(source: Source, storeys: Iterable[DrawnStorey]) -> House:
 
 
 def _apart(source: Source, storeys: Sequence[DrawnStorey]) -> list[DrawnStorey]:
-    """Return storeys, which come by elevation, without those beside a larger one."""
+    """Return storeys, sorted by elevation, without those near the elevation of a larger one."""
     kept: list[DrawnStorey] = []
     for storey in storeys:
         if not kept or storey.elevation - kept[-1].elevation >= STAIRS.least_rise:
@@ -429,7 +430,7 @@ def _apart(source: Source, storeys: Sequence[DrawnStorey]) -> list[DrawnStorey]:
 def _joined(
     source: Source, storeys: Sequence[tuple[Level, House]], stairs: Sequence[Stairs]
 ) -> House:
-    """Return one house of several levels; a single one stays without levels."""
+    """Return one house of several levels, or the house as it is for a single one."""
     if len(storeys) == 1:
         return replace(storeys[0][1], warnings=tuple(source.warnings))
     levels = tuple(level for level, _ in storeys)
@@ -452,7 +453,7 @@ def _joined(
 
 
 def _on_level(level: Level, house: House) -> House:
-    """Return a house with all on a level, and openings named after it."""
+    """Return a house with everything put on a level, and with its id in the ids of openings."""
 
     def named(opening_id: str) -> str:
         return f"{level.id}_{opening_id}"
@@ -471,7 +472,7 @@ def _on_level(level: Level, house: House) -> House:
 
 
 def _climbs(icon: IconBox, levels: Sequence[Level]) -> bool:
-    """Return whether a piece is stairs to a level above its own."""
+    """Return whether a piece of furniture is stairs to a level above its own."""
     words = re.findall(r"[a-zäöüéè]+", re.sub(r"([a-z])([A-Z])", r"\1 \2", icon.type).lower())
     sides = (abs(icon.p2[0] - icon.p1[0]), abs(icon.p2[1] - icon.p1[1]))
     return (
@@ -487,7 +488,7 @@ def flights_of(
 ) -> tuple[Stairs, ...]:
     """Return the stairs among pieces of furniture as flights along their longer side.
 
-    Files do not say which end is the upper one: the direction that reaches more rooms is taken.
+    Files do not say which end is the upper one: the direction that joins more rooms is taken.
     """
     flights: list[Stairs] = []
     for icon in icons:

@@ -1,8 +1,9 @@
 """Reader of DXF drawings by ezdxf (the extra `formats`): rooms and walls by layer.
 
-Closed outlines on a layer of rooms are rooms. On a layer of walls, closed rectangles are walls'
-bodies, two parallel lines a wall's faces, any other line an axis. What lies on layers of doors
-and windows, or is a block named so, is an opening. The drawing's y goes up: (x, y) becomes (x, -y).
+Closed outlines on a layer of rooms are rooms. On a layer of walls, a closed rectangle is a wall's
+body, two parallel lines are a wall's faces, and any other line is an axis. What lies on a layer
+of doors or windows, or in a block named so, is an opening. The drawing's y goes up: (x, y) becomes
+(x, -y).
 """
 
 from __future__ import annotations
@@ -59,7 +60,7 @@ from plan2scene_app.plan_formats.lines import (
 )
 from plan2scene_app.plan_formats.measures import read_areas
 
-#: Patterns of layer and block names, as CAD programs have them: parted by commas, of the whole
+#: Patterns of layer and block names, as in CAD programs: separated by commas, each for the whole
 #: name in any case; ``*`` any letters, ``?`` one, ``[aä]`` one of these, ``[!a-z]`` none of these.
 LAYERS = {
     "rooms": "*room*,*raum*,*r[aä]ume*,*space*,*area,*area[!l]*,*zone*,*fl[aä]che*,*pi[eè]ce*,"
@@ -68,12 +69,12 @@ LAYERS = {
     "windows": "*window*,*fenster*,*fen[eê]tre*,*ventana*,*finestra*,*raam*,*glaz*",
     "walls": "*wall*,*wand*,*w[aä]nde*,*mauer*,mur*,*[!a-z]mur*,*muro*,*parete*,*muur*",
 }
-#: Longest pattern.
+#: Largest number of letters of a pattern.
 MAX_PATTERN = 300
 
 
 def layers_of(pairs: Sequence[str]) -> dict[str, str]:
-    """Return the patterns of ``KIND=PATTERN`` lines, as `house_of_dxf` takes them."""
+    """Return {kind: pattern} of ``KIND=PATTERN`` texts, for `layers` of :func:`house_of_dxf`."""
     patterns: dict[str, str] = {}
     for pair in pairs:
         kind, _, pattern = pair.partition("=")
@@ -85,7 +86,7 @@ def layers_of(pairs: Sequence[str]) -> dict[str, str]:
 
 
 def names_of(entity: Any) -> list[str]:
-    """Return the names that classify an entity: its block's, if it is one, and its layer's."""
+    """Return the names that give an entity's kind: its block's, if it is one, and its layer's."""
     layer = entity.dxf.get("layer", "") if entity.dxf.is_supported("layer") else ""
     names = [str(layer)]
     if entity.dxftype() == "INSERT":
@@ -94,7 +95,7 @@ def names_of(entity: Any) -> list[str]:
 
 
 class LayerKinds:
-    """Tells which of `LAYERS` a layer's name means; `layers` holds patterns in place of ours."""
+    """Finds the kind (of `LAYERS`) that a layer's name means; `layers` replaces our patterns."""
 
     def __init__(self, source: Source, layers: Mapping[str, str]) -> None:
         self.patterns: dict[str, list[str]] = {}
@@ -107,8 +108,8 @@ class LayerKinds:
             self.patterns[kind] = [part.strip().casefold() for part in text.split(",")]
 
     def of_name(self, name: str) -> str:
-        """Return the kind of a layer or block; empty for none."""
-        if name not in self._known:  # many entities, few names
+        """Return the kind that a layer's or block's name means; empty for none."""
+        if name not in self._known:  # cached, as many entities have few names
             folded = name.casefold()
             kinds = (
                 kind
@@ -119,11 +120,11 @@ class LayerKinds:
         return self._known[name]
 
     def of(self, entity: Any) -> str:
-        """Return the kind of an entity by its block's name, else by its layer; empty for none."""
+        """Return an entity's kind by its block's name, else by its layer's; empty for none."""
         return next((kind for name in names_of(entity) if (kind := self.of_name(name))), "")
 
 
-#: Most points of one curve.
+#: Largest number of points of one curve.
 MAX_POINTS = 2000
 CURVES = ("LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE")
 
@@ -136,7 +137,7 @@ class Curves:
         self.boxes: dict[str, Polygon | None] = {}
 
     def line(self, entity: Any) -> LineString | None:
-        """Return a curve in metres, (x, -y), closed ones with the first point repeated."""
+        """Return a curve in metres, (x, -y); a closed one repeats its first point at the end."""
         from ezdxf import path
 
         try:
@@ -171,7 +172,7 @@ class Curves:
         return [LineString([*array, array[0]]) for array in arrays if np.isfinite(array).all()]
 
     def block_area(self, insert: Any, depth: int = 0) -> Polygon | None:
-        """Return the box around what an inserted block draws, as the insert turns it."""
+        """Return the box around an inserted block's curves, turned and scaled by the insert."""
         name = str(insert.dxf.get("name", ""))
         if name not in self.boxes:
             self.boxes[name] = None
@@ -207,13 +208,13 @@ class Curves:
         return box(*low, *np.maximum(high, low + 1e-9))
 
 
-#: Most bytes of a drawing.
+#: Largest number of bytes of a drawing.
 MAX_BYTES = 100_000_000
 _HEAD = re.compile(rb"\s*(?:999\s*\r?\n[^\n]*\n\s*)*0\s*\r?\n\s*SECTION\b")
 
 
 def is_dxf(head: bytes) -> bool:
-    """Return whether a file begins as a DXF drawing does, in text or binary."""
+    """Return whether a file begins as a DXF drawing does, text or binary."""
     return bool(_HEAD.match(head)) or head.startswith(b"AutoCAD Binary DXF")
 
 
@@ -225,8 +226,8 @@ def house_of_dxf(
 ) -> House:
     """Return the house of a DXF drawing.
 
-    `metres_per_unit` goes before the unit of the header; `layers` holds patterns in
-    place of :data:`LAYERS`. Raises InputError where neither gives the unit.
+    `metres_per_unit`, if given, replaces the unit of the header; `layers` holds patterns that
+    replace those of :data:`LAYERS`. Raises InputError if the unit is unknown.
     """
     source = Source(str(path), house_id)
     document = load_dxf(source, path)
@@ -253,7 +254,7 @@ def load_dxf(source: Source, path: Path) -> Any:
         raise source.fault(f"at most {MAX_BYTES} bytes of DXF", path.stat().st_size)
     damage = (
         *(ezdxf.DXFError, OSError, ValueError, LookupError, TypeError, AttributeError),
-        StopIteration,  # the file ends within a point
+        StopIteration,  # the file ends in the middle of a point
     )
     try:
         return ezdxf.readfile(path, encoding=alphabet(path))
@@ -262,7 +263,7 @@ def load_dxf(source: Source, path: Path) -> Any:
 
 
 def _unit(source: Source, document: Any, leaves: list[Leaf]) -> float:
-    """Return metres of the unit in the header, or of the one that the doors tell."""
+    """Return the unit in metres: the header's, or the one that the widths of doors show."""
     from ezdxf import units
 
     code = document.header.get("$INSUNITS", 0)
@@ -287,12 +288,12 @@ def entities_of(source: Source, document: Any) -> Iterator[Any]:
 
 
 _LETTERS = re.compile(r"[^\W\d_]{2}")
-#: A door's or window's layer, its area, its insertion point where it is a block.
+#: A mark: its kind, area, and insertion point (if it is a block) of a door or window.
 _Mark = tuple[str, Polygon, Point | None]
 
 
 class _Drawing:
-    """Entities of the model space with their kinds, in metres."""
+    """Reads the entities of the model space, with their kinds, as a drawing in metres."""
 
     def __init__(
         self,
@@ -308,7 +309,7 @@ class _Drawing:
         self.written: list[tuple[str, Point]] = []
 
     def read(self) -> Drawing:
-        """Return the drawing: rooms, walls, openings, names."""
+        """Return the drawing: rooms with their names, walls and openings."""
         lines: dict[str, list[LineString]] = {key: [] for key in LAYERS}
         others: dict[str, list[LineString]] = {}
         hatches: dict[str, list[LineString]] = {key: [] for key in LAYERS}
@@ -354,7 +355,7 @@ class _Drawing:
         return self._unlayered(self._drawing(moved, marks, names), left, marks, doors, names)
 
     def printed_unit(self, house: House) -> float | None:
-        """Return the unit by areas that are written in rooms; None where they suit the rooms."""
+        """Return the unit by the areas written in rooms; None if they fit already or are few."""
         rooms = [Polygon(room.rings[0]).buffer(0) for room in house.rooms]
         shares = [
             float(np.sqrt(read_areas(text)[0][0] / room.area))
@@ -378,7 +379,7 @@ class _Drawing:
         doors: list[Segment],
         names: list[tuple[str, Point]],
     ) -> Drawing:
-        """Return a drawing by its layers, unless they tell little and the rest tells more."""
+        """Return the drawing by its layers' names, or by the other layers if these show more."""
         if named.rooms and not named.axes:
             return named
         trial = replace(named, axes=list(named.axes), openings=list(named.openings))
@@ -443,7 +444,7 @@ class _Drawing:
         return drawing
 
     def _room(self, rings: list[Any], texts: list[tuple[str, Point]]) -> DrawnRoom:
-        """Return a room named by the texts inside it."""
+        """Return a room, named by the texts inside it."""
         area = Polygon(rings[0], rings[1:])
         area = area if area.is_valid else area.convex_hull
         name = " ".join(text for text, place in texts if area.contains(place))[:100]
@@ -451,7 +452,7 @@ class _Drawing:
         return DrawnRoom(name, outlines)
 
     def _add_openings(self, drawing: Drawing, marks: Sequence[_Mark]) -> None:
-        """Add the openings that the marks of doors and windows mean."""
+        """Add an opening to a drawing for each mark of a door or window."""
         outlines = [
             WallAxis(a, b)
             for room in drawing.rooms
@@ -473,7 +474,7 @@ class _Drawing:
                 self.source.warn(expected, f"{width:.2f} m, left out")
 
     def _text(self, entity: Any) -> list[tuple[str, Point]]:
-        """Return a text's words and place."""
+        """Return [(words, place)] of a text entity; empty if it has no place."""
         text = entity.plain_text() if entity.dxftype() == "MTEXT" else entity.dxf.get("text", "")
         text = " ".join(str(text).split())[:100]
         place = self._place(entity)
@@ -490,7 +491,7 @@ def _rings(area: Polygon) -> list[Any]:
 
 
 def _shift(lines: Sequence[LineString]) -> tuple[float, float]:
-    """Return how far to move a drawing that lies far from its origin."""
+    """Return the shift to the origin of a drawing that lies more than 500 m from it, else 0, 0."""
     bounds = np.array([line.bounds for line in lines] or [(0.0, 0.0, 0.0, 0.0)])
     low, high = bounds[:, :2].min(axis=0), bounds[:, 2:].max(axis=0)
     far = max(np.abs(low).max(), np.abs(high).max()) > 500.0
@@ -502,7 +503,7 @@ def _move(shape: Any, shift: tuple[float, float]) -> Any:
 
 
 def _body_axis(line: LineString) -> WallAxis | None:
-    """Return the axis of a closed outline that is a long rectangle; None for any other line."""
+    """Return the axis of a closed outline that is a rectangle, up to 1 m thick, else None."""
     if not line.is_closed or len(line.coords) < 4:
         return None
     area = Polygon(line)
@@ -513,28 +514,28 @@ def _body_axis(line: LineString) -> WallAxis | None:
     return axis
 
 
-#: Most layers and blocks that are listed, those with the most entities first.
+#: Largest number of layers and blocks that are listed; those with the most entities come first.
 MAX_NAMES = 200
-#: Metres of a unit by which curves are cut while the unit is unknown.
+#: Metres of a unit that are assumed for reading curves while the unit is unknown.
 TRIAL = 1e-3
 
 
 @dataclass(frozen=True)
 class DxfName:
-    """A layer, or a block that is inserted."""
+    """A layer, or an inserted block."""
 
     name: str
-    count: int  #: entities
+    count: int  #: number of its entities
     block: bool
-    kind: str  #: rooms, walls, doors or windows as it is read now; empty: left out
+    kind: str  #: the kind as which it is read now (a key of `LAYERS`); empty: left out
 
 
 def contents_of_dxf(
     path: Path, house_id: str, layers: Mapping[str, str] | None = None
 ) -> tuple[list[DxfName], tuple[float, float] | None]:
-    """Return the names in the model space, and width and depth of its rooms and walls.
+    """Return the layers and blocks of the model space, and width and depth of its rooms and walls.
 
-    The size is in units of the drawing; None where no layer is of rooms or walls.
+    The size is in units of the drawing, or None if no layer is one of rooms or walls.
     """
     source = Source(str(path), house_id)
     document = load_dxf(source, path)

@@ -1,4 +1,4 @@
-"""What a DXF holds beside its layers: entities in blocks, its alphabet, its true unit."""
+"""Read a DXF's entities out of its blocks, and find its code page and its true unit."""
 
 from __future__ import annotations
 
@@ -12,33 +12,33 @@ import numpy as np
 
 from plan2scene.plans.parse import Source
 
-#: Most entities of a drawing, of its blocks too, and the nesting of blocks.
+#: Largest number of entities of a drawing, also in its blocks, and deepest nesting of blocks.
 MAX_ENTITIES = 100_000
 MAX_NESTING = 12
-#: Metres of the units that drawings are made in.
+#: The usual units of drawings, in metres.
 UNITS = {"mm": 0.001, "cm": 0.01, "m": 1.0, "inches": 0.0254, "feet": 0.3048}
 
 
 @dataclass(frozen=True)
 class DxfSettings:
-    """The tuned numbers of reading DXF, as buildings and their drawings usually are."""
+    """The tuned numbers of reading DXF, by usual sizes of buildings and their drawings."""
 
-    possible_door: tuple[float, float] = (0.4, 1.6)  #: m of the leaves of a drawing, median
-    usual_door: tuple[float, float] = (0.6, 1.1)  #: m of those that tell a unit
+    possible_door: tuple[float, float] = (0.4, 1.6)  #: m of the median leaf if the unit is right
+    usual_door: tuple[float, float] = (0.6, 1.1)  #: m of the median leaf for another unit
     swing: tuple[float, float] = (10.0, 100.0)  #: degrees that a door's arc turns
-    hinge: float = 0.1  #: shares of its radius within which a leaf fits an arc
-    least_leaves: int = 3  #: that tell it
-    printed: float = 0.1  #: share by which printed areas may differ from a unit
+    hinge: float = 0.1  #: share of an arc's radius within which a leaf fits it
+    least_leaves: int = 3  #: fewest leaves, or fewest printed areas, that tell a unit
+    printed: float = 0.1  #: share by which a unit may differ from that of the printed areas
     room: tuple[float, float] = (4.0, 1500.0)  #: m2 of outlines that are rooms
-    outlines: float = 0.7  #: share of a layer's outlines that are so large where it has rooms
-    left_over: float = 10.0  #: m2 of the smallest floor that other outlines leave
+    outlines: float = 0.7  #: least share of such large outlines on a layer of rooms
+    left_over: float = 10.0  #: m2 of the smallest floor that other outlines leave (a corridor)
     corridor: float = 0.9  #: m of its narrowest place
-    least_rooms: int = 3  #: outlines of a drawing that are its rooms
-    least_lines: int = 8  #: straight lines of a layer that may be of walls
+    least_rooms: int = 3  #: fewest outlines of a drawing that are its rooms
+    least_lines: int = 8  #: fewest straight lines of a layer of walls
     tiny: float = 1.5  #: m2: smaller faces between lines are furniture
-    tiny_share: float = 0.34  #: share of them above which lines are no walls
-    pattern: int = 50  #: of them that are no drawing of rooms
-    more: float = 1.5  #: times the floor that another reading must have
+    tiny_share: float = 0.34  #: with a larger share of tiny faces, lines are no walls
+    pattern: int = 50  #: with more tiny faces (and that share), lines are a grid, tiles or steps
+    more: float = 1.5  #: another reading is taken if it has more than this times the floor
 
 
 DXF = DxfSettings()
@@ -47,9 +47,9 @@ DXF = DxfSettings()
 def each_entity(
     source: Source, entities: Iterable[Any], kind_of: Callable[[Any], str]
 ) -> Iterator[tuple[Any, str]]:
-    """Yield entities and the kind of the blocks that they are in; blocks come apart.
+    """Yield (entity, kind), with blocks taken apart; a part without a kind has that of its block.
 
-    `kind_of(entity)` tells the kind of an entity; blocks of doors and windows stay whole.
+    `kind_of(entity)` gives the kind of an entity. Blocks of doors and windows stay whole.
     """
     count = 0
     queue = [(entity, "", 0) for entity in reversed(list(entities))]
@@ -69,7 +69,7 @@ def each_entity(
         except (TypeError, ValueError, ArithmeticError, AttributeError):
             continue
         for part in parts:
-            if str(part.dxf.get("layer", "0")) == "0":  # drawn on the layer of the insert
+            if str(part.dxf.get("layer", "0")) == "0":  # layer 0: that of the insert
                 part.dxf.layer = str(entity.dxf.get("layer", "0"))
         queue += [(part, kind, depth + 1) for part in reversed(parts)]
         if count + len(queue) > MAX_ENTITIES:
@@ -81,9 +81,9 @@ _TWO_BYTES = re.compile(rb"[\x81-\x9f\xe0-\xfc][\x40-\x7e\x80-\xfc]")
 
 
 def alphabet(path: Path) -> str | None:
-    """Return the code page of a text DXF that names none (or ANSI_1252 for want of another).
+    """Return the true code page of a text DXF that names none, or names just ANSI_1252.
 
-    None: as the file says. Japanese programs write code page 932 without a word.
+    None: as the file says. Japanese programs write code page 932 without naming it.
     """
     with path.open("rb") as file:
         content = file.read()
@@ -111,7 +111,7 @@ def alphabet(path: Path) -> str | None:
 
 @dataclass(frozen=True)
 class Leaf:
-    """A door's leaf, open: hinge and where it closes (x, y) in units of the drawing, its line."""
+    """A door's open leaf: its hinge and its tip when closed (x, y), drawing units; its line."""
 
     hinge: tuple[float, float]
     closed: tuple[float, float]
@@ -124,13 +124,13 @@ class Leaf:
 
     @property
     def length(self) -> float:
-        """How wide the door is."""
+        """Width of the door."""
         return float(np.hypot(*np.subtract(self.closed, self.hinge)))
 
 
 def leaves_of(entities: Iterable[Any]) -> list[Leaf]:
-    """Return the lines that an arc swings: it has their end as centre, their length as radius."""
-    from scipy.spatial import cKDTree  # a third of a second that no other format needs
+    """Return the doors' leaves: lines with an arc around one end, of their length as radius."""
+    from scipy.spatial import cKDTree  # slow to import (0.3 s); no other format needs it
 
     kinds: dict[str, list[Any]] = {"ARC": [], "LINE": []}
     for entity in entities:
@@ -157,7 +157,7 @@ def leaves_of(entities: Iterable[Any]) -> list[Leaf]:
 
 
 def unit_of(source: Source, header: float | None, leaves: list[Leaf]) -> float | None:
-    """Return metres of the unit: the header's, unless the doors' leaves say that it is wrong."""
+    """Return the unit in metres: the header's, unless the widths of doors show that it is wrong."""
     low, high = DXF.possible_door
     lengths = [leaf.length for leaf in leaves]
     middle = float(np.median(lengths)) if len(lengths) >= DXF.least_leaves else None

@@ -1,4 +1,4 @@
-"""Rooms of a DXF with layers of unknown names: outlines as large as rooms, lines that close."""
+"""Find rooms in a DXF whose layers have unknown names: large outlines, or lines that close."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ from plan2scene_app.plan_formats.drawing import Drawing, closed_rooms
 from plan2scene_app.plan_formats.dxf_content import DXF
 from plan2scene_app.plan_formats.lines import axes_of_lines
 
-#: Names of layers whose outlines are no floor, in English and German.
+#: Patterns of names of layers whose outlines are no floor, in English and German.
 VOIDS = ("*void*", "*atrium*", "*shaft*", "*schacht*", "*luftraum*")
 
 
 def rooms_of_layers(
     outlines: Mapping[str, Sequence[LineString]],
 ) -> list[tuple[str, Polygon]]:
-    """Return (layer, floor) of closed outlines, metres, on layers that hold rooms' outlines.
+    """Return (layer, floor) for the closed outlines, in metres, on layers that seem to hold rooms.
 
-    An outline around several others is what they leave of it, as corridors are. The name of a
-    layer that holds one room is the room's, of others the layer's is.
+    An outline that contains or overlaps smaller rooms is the floor that these leave, such as a
+    corridor. The list is empty for fewer than `DXF.least_rooms` rooms.
     """
     found: list[tuple[str, Polygon]] = []
     holes: list[Polygon] = []
@@ -54,7 +54,7 @@ def rooms_of_layers(
         inside = [room for _, room in rooms if area.contains(room.representative_point())]
         taken = [room for _, room in rooms if area.intersects(room)]
         if area.intersection(unary_union(taken)).area > (1 - DXF.outlines) * area.area or inside:
-            # As far from the others as a wall is thick.
+            # The rest keeps the thickness of a wall (0.15 m) away from the other rooms.
             free = area.difference(unary_union([*taken, *holes]).buffer(0.15, join_style="mitre"))
             free = free.buffer(-DXF.corridor / 2).buffer(DXF.corridor / 2, join_style="mitre")
             parts = [p for p in getattr(free, "geoms", [free]) if p.area >= DXF.left_over]
@@ -66,7 +66,7 @@ def rooms_of_layers(
 
 @dataclass(frozen=True)
 class LineReading:
-    """What the lines of a layer close: its walls, its floors, how many doors swing at them."""
+    """A layer's lines read as walls: their drawing, the floors they close, the count of doors."""
 
     layer: str
     drawing: Drawing
@@ -80,10 +80,10 @@ def rooms_of_lines(
     doors: Sequence[Segment],
     words: Iterable[Point],
 ) -> LineReading | None:
-    """Return the reading of the layer with lines that close the most floor, taken as walls.
+    """Return the best reading of one layer's lines as walls: most doors, then most floor.
 
-    A layer of walls has doors or names in its rooms, and few faces too small for one. Of several
-    drawings the one with most doors is read.
+    The rooms that a layer of walls closes have doors or names, and few are too small for a room. If
+    a file holds several drawings, one is read.
     """
     best: LineReading | None = None
     spots = list(words)
@@ -98,7 +98,7 @@ def rooms_of_lines(
                 if _is_pattern(rooms_of_axes(source, drawing.axes)):
                     continue
                 faces = closed_rooms(replace(source, warnings=[]), drawing)
-            except InputError:  # too many lines side by side: no walls
+            except InputError:  # too many lines side by side for walls
                 continue
             for view in _views(faces):
                 around = unary_union(view).buffer(SETTINGS.opening_reach)
@@ -114,7 +114,7 @@ def rooms_of_lines(
 
 
 def _is_pattern(faces: Sequence[Polygon]) -> bool:
-    """Return whether lines are a grid, tiles or steps."""
+    """Return whether the faces between lines are those of a grid, tiles or steps."""
     tiny = sum(face.area < DXF.tiny for face in faces)
     return tiny > DXF.pattern and tiny > DXF.tiny_share * len(faces)
 
@@ -124,7 +124,7 @@ def _rank(reading: LineReading) -> tuple[int, float]:
 
 
 def _views(faces: Sequence[Polygon]) -> list[list[Polygon]]:
-    """Return floors grouped into plans: those drawn together are one."""
+    """Return floors grouped into plans; floors that are a wall's thickness apart are in one."""
     if not faces:
         return []
     joined = unary_union([face.buffer(SETTINGS.faces[1] / 2) for face in faces])

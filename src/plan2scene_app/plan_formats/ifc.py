@@ -1,6 +1,6 @@
 """Reader of IFC models by ifcopenshell (the extra `formats`): storeys, spaces, walls, openings.
 
-The bodies' triangles are looked at from above. Metres; IFC's z goes up: (x, y, z) becomes (x, -y).
+Triangles of bodies are projected onto the plan. Metres; IFC's z goes up: (x, y, z) becomes (x, -y).
 """
 
 from __future__ import annotations
@@ -30,19 +30,19 @@ from plan2scene_app.bound_process import run_bound
 from plan2scene_app.plan_formats.axes import MAX_AXES, SETTINGS, NearestAxis, axis_of_area
 from plan2scene_app.plan_formats.drawing import Drawing, DrawnRoom, DrawnStorey, house_of_storeys
 
-#: Most bytes of a model, and triangles of one body.
+#: Largest number of bytes of a model, and of triangles of one body.
 MAX_BYTES = 200_000_000
 MAX_TRIANGLES = 20_000
-#: Most triangles of a model, and largest number of a direction.
+#: Largest number of triangles of a model, and largest absolute component of an IfcDirection.
 MAX_ALL_TRIANGLES, MAX_RATIO = 1_000_000, 1e6
-#: Letters of a file in which its header ends.
+#: Largest number of letters of a file's header.
 MAX_HEAD = 100_000
 _SCHEMA = re.compile(r"(FILE_SCHEMA\s*\(\s*\(\s*')([^']*)(')", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
 class _Body:
-    """What a product covers: its plan area (x, -y), bottom and top in metres, its points.
+    """The body of a product: its area in the plan (x, -y), bottom and top in metres, its points.
 
     `points` are (n, 3): x and -y in the plan, and the height.
     """
@@ -54,15 +54,15 @@ class _Body:
 
 
 def is_ifc(head: bytes) -> bool:
-    """Return whether a file begins as a STEP file does, as IFC models are."""
+    """Return whether a file begins as a STEP file does: IFC models are STEP files."""
     return head.lstrip().startswith(b"ISO-10303-21")
 
 
 def house_of_ifc(path: Path, house_id: str) -> House:
     """Return the house of an IFC model with its storeys, each at the height of its floors.
 
-    ifcopenshell crashes of some damaged models, so it reads them in a process of its own.
-    Raises InputError then, and for a model without spaces and walls.
+    Some damaged models make ifcopenshell crash, so it reads them in a process of its own. Raises
+    InputError if it crashes, and for a model without spaces and walls.
     """
     with tempfile.TemporaryDirectory() as folder:
         answer = Path(folder) / "answer"
@@ -77,10 +77,10 @@ def house_of_ifc(path: Path, house_id: str) -> House:
 
 
 def _answer(path: str, house_id: str, answer: str) -> None:
-    """Write what reading a model gives, or raises, as a pickle: the other side of house_of_ifc."""
+    """Read a model in the process of its own; write the house or the exception as a pickle."""
     try:
         result: House | Exception = _read(Path(path), house_id)
-    except Exception as error:  # noqa: BLE001 - raised again where it was asked for
+    except Exception as error:  # noqa: BLE001 - house_of_ifc raises it again
         error.add_note(traceback.format_exc())
         result = error
     Path(answer).write_bytes(pickle.dumps(result))
@@ -94,7 +94,7 @@ def _read(path: Path, house_id: str) -> House:
     }
     if not by_storey:
         raise source.fault("IfcSpace or IfcWall in the model", "none")
-    # Walls alone close foundations and attics, too.
+    # Storeys with walls only are left out: they may be foundations or attics.
     lived_in = [
         n for n, items in by_storey.items() if _has(items, "IfcSpace", "IfcDoor", "IfcWindow")
     ]
@@ -106,7 +106,7 @@ def _read(path: Path, house_id: str) -> House:
 
 
 def _parsed(source: Source, path: Path) -> Any:
-    """Return the parsed file; of an exporter older than IFC2X3 as that, with a warning."""
+    """Return the parsed file; a file of an older IFC2 schema is read as IFC2X3, with a warning."""
     import ifcopenshell
 
     try:
@@ -121,7 +121,7 @@ def _parsed(source: Source, path: Path) -> Any:
 
 
 def _has(items: list[Any], *kinds: str) -> bool:
-    """Return whether any product is of one of these kinds."""
+    """Return whether any of the products is of one of the kinds."""
     return any(item.is_a(kind) for item in items for kind in kinds)
 
 
@@ -149,7 +149,7 @@ class _Model:
         self.settings = ifcopenshell.geom.settings()
         self.settings.set("use-world-coords", True)
         self.settings.set("disable-opening-subtractions", True)
-        # Spaces should be parts of a storey; some programs say that it contains them.
+        # A storey should have spaces as its parts; some programs say that it contains them.
         self.contained = {
             item.id(): relation.RelatingStructure
             for relation in self.file.by_type("IfcRelContainedInSpatialStructure")
@@ -157,7 +157,7 @@ class _Model:
         }
 
     def storeys(self) -> dict[str, list[Any]]:
-        """Return spaces, walls, doors, windows and stairs by the name of their storey."""
+        """Return {name of storey: its spaces, walls, doors, windows and stairs}."""
         by_storey: dict[str, list[Any]] = defaultdict(list)
         kinds = {
             "IfcSpace": MAX_ROOMS,
@@ -179,7 +179,7 @@ class _Model:
         return dict(by_storey)
 
     def _storey(self, product: Any) -> Any:
-        """Return the storey that holds a product, however deep."""
+        """Return the storey that holds a product directly or through up to 20 parents, or None."""
         above = product
         for _ in range(20):
             above = (
@@ -192,7 +192,7 @@ class _Model:
         return None
 
     def storey(self, name: str, products: list[Any]) -> DrawnStorey:
-        """Return a storey with what its products draw."""
+        """Return a storey with the drawing of its products."""
         bodies = [(product, body) for product in products if (body := self._body(product))]
         floors = [body.low for product, body in bodies if product.is_a("IfcSpace")]
         base = min(floors or [body.low for _, body in bodies], default=0.0)
@@ -215,7 +215,7 @@ class _Model:
         return DrawnStorey(name[:100], base, drawing)
 
     def _add_openings(self, drawing: Drawing, products: list[Any], base: float) -> None:
-        """Add filled openings, then unfilled ones that are no second hole of another."""
+        """Add the openings with a door or window, then the empty ones at other places."""
         nearest = NearestAxis(drawing.axes)
         for kind, product in sorted(self._holes(products), key=lambda pair: not pair[0]):
             body = self._body(product)
@@ -227,14 +227,14 @@ class _Model:
             segment = nearest.segment(body.area, name, named)
             if segment is None:
                 continue
-            # A hole in each of two layers of a wall is one.
+            # Holes in two layers of a wall are one opening.
             if not drawing.shows(segment.start, segment.end):
                 drawing.openings.append(
                     replace(segment, bottom=low, top=max(body.high - base, low))
                 )
 
     def _holes(self, products: list[Any]) -> Iterator[tuple[str, Any]]:
-        """Yield ("door", "window" or "", the product that shows the hole)."""
+        """Yield (kind, product) for each hole: kind is door, window or "", product is its body."""
         for product in products:
             if product.is_a("IfcWall"):
                 for relation in product.HasOpenings:
@@ -245,7 +245,7 @@ class _Model:
                 yield _leaf(product), product
 
     def _body(self, product: Any) -> _Body | None:
-        """Return what a product covers, None where it has no body; the largest part of several."""
+        """Return the body of a product (the largest part of its area), or None without one."""
         if product.Representation is None:
             return None
         try:
@@ -277,7 +277,10 @@ class _Model:
 
 
 def _flight(body: _Body) -> Stairs | None:
-    """Return stairs as a flight along the longer side, up to where their body is highest."""
+    """Return stairs as a flight along their longer side, with its upper end where they are highest.
+
+    None for stairs that are too short.
+    """
     x0, z0, x1, z1 = body.area.bounds
     axis = 0 if x1 - x0 >= z1 - z0 else 1
     middle, width = ((z0 + z1) / 2, z1 - z0) if axis == 0 else ((x0 + x1) / 2, x1 - x0)
@@ -291,7 +294,7 @@ def _flight(body: _Body) -> Stairs | None:
 
 
 def _leaf(product: Any) -> str:
-    """Return the kind of opening that a door or window is; empty for any other product."""
+    """Return "door" or "window" for such a product; empty for any other product."""
     kinds = {"IfcDoor": "door", "IfcWindow": "window"}
     return next((kind for name, kind in kinds.items() if product.is_a(name)), "")
 

@@ -1,4 +1,4 @@
-"""Walls that are drawn as lines: pairs of faces, single axes, gaps where openings are."""
+"""Find walls that are drawn as lines: pairs of faces, single axes, and gaps for openings."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ from plan2scene_app.plan_formats.axes import (
 
 
 def axes_of_lines(lines: Sequence[LineString]) -> list[WallAxis]:
-    """Return wall axes of lines: the middle of two faces, else the line itself.
+    """Return the wall axes of lines: the middle line of two faces, else the line itself.
 
-    Faces are paired from the nearest pair on; a long face may have several short ones before it,
-    as where a wall stands on the other. An axis is as long as the shorter face.
+    Faces are paired, the nearest pairs first. A long face may have several short partners, as where
+    walls that join it interrupt the opposite face. An axis is as long as the shorter face.
     """
     drawn = [pair for line in lines for pair in pairwise(line.coords) if math.dist(*pair) > 0.01]
     once: dict[object, tuple[tuple[float, ...], ...]] = {}
@@ -47,7 +47,7 @@ def axes_of_lines(lines: Sequence[LineString]) -> list[WallAxis]:
             axes.append(_middle(pieces[short], pieces[long], distance))
     single = [k for k in range(len(pieces)) if covered[k] == 0]
     if axes:
-        # Ends of walls and reveals: short lines across a wall that has two faces.
+        # Leave out ends of walls and reveals: short lines across a wall with two faces.
         widest = max(axis.thickness for axis in axes)
         single = [k for k in single if pieces[k].length > 1.2 * widest]
     ends = (list(pieces[k].coords) for k in single)
@@ -55,9 +55,9 @@ def axes_of_lines(lines: Sequence[LineString]) -> list[WallAxis]:
 
 
 def _pairs(pieces: Sequence[LineString]) -> list[tuple[float, int, int]]:
-    """Return (distance, i, j) of lines that may be the two faces of a wall.
+    """Return (distance, i, j) for each two lines that may be the two faces of a wall.
 
-    A wall is longer than thick: the ends of a stub are no faces.
+    Both must be longer than the wall is thick: the two ends of a short wall are no faces.
     """
     tree = STRtree(pieces)
     left, right = tree.query(pieces, predicate="dwithin", distance=SETTINGS.faces[1])
@@ -86,7 +86,7 @@ def _unit(line: LineString) -> np.ndarray:
 
 
 def _middle(short: LineString, long: LineString, thickness: float) -> WallAxis:
-    """Return the axis half-way from a face to the other, as long as the first."""
+    """Return the axis half-way between two faces, as long as the short one."""
     way = _unit(short)
     ends = np.array(short.coords)
     normal = np.array([-way[1], way[0]])
@@ -98,7 +98,7 @@ def _middle(short: LineString, long: LineString, thickness: float) -> WallAxis:
 def bridges(axes: Sequence[WallAxis], openings: Sequence[Segment]) -> list[WallAxis]:
     """Return a piece of wall for each opening that lies in the gap between two axes.
 
-    The piece lies on the line of the nearest axis that runs the opening's way.
+    The piece lies on the line of the nearest axis that is parallel to the opening.
     """
     lines = [LineString([axis.start, axis.end]) for axis in axes]
     tree = STRtree(lines)
@@ -132,9 +132,9 @@ def bridges(axes: Sequence[WallAxis], openings: Sequence[Segment]) -> list[WallA
 
 
 def rooms_of_outlines(lines: Sequence[LineString], gaps: Sequence[WallAxis]) -> list[Polygon]:
-    """Return the floors enclosed by walls that are drawn as outlines of their bodies.
+    """Return the floors that walls enclose, where the outlines of the walls' bodies are drawn.
 
-    `gaps` are the pieces of wall over openings, where outlines end.
+    `gaps` are the pieces of wall through openings, where the outlines are interrupted.
     """
     once = list({line.wkb: line for line in lines}.values())
     limit_pairs(once, 0.0, "lines of walls that meet")
@@ -153,13 +153,13 @@ def rooms_of_outlines(lines: Sequence[LineString], gaps: Sequence[WallAxis]) -> 
 
 
 def groups_of_lines(lines: Sequence[LineString]) -> list[Polygon]:
-    """Return the boxes around lines that belong together: a leaf and its swing, panes.
+    """Return the boxes around lines that belong together: a leaf and its swing, or panes.
 
-    Lines belong together that touch, and straight ones side by side.
+    Lines belong together if they touch, or if they are straight, parallel and side by side.
     """
     if not lines:
         return []
-    from scipy.sparse import coo_array  # a third of a second that no other format needs
+    from scipy.sparse import coo_array  # slow to import (0.3 s); no other format needs it
     from scipy.sparse.csgraph import connected_components
 
     lines = list({line.wkb: line for line in lines}.values())
@@ -184,7 +184,7 @@ def groups_of_lines(lines: Sequence[LineString]) -> list[Polygon]:
 
 
 def _together(one: LineString, other: LineString) -> bool:
-    """Return whether two lines are of one door or window."""
+    """Return whether two lines belong to one door or window."""
     if one.distance(other) <= SETTINGS.touch:
         return True
     if len(one.coords) != 2 or len(other.coords) != 2 or min(one.length, other.length) < 1e-6:

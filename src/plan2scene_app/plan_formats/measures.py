@@ -19,13 +19,13 @@ _FEET = re.compile(
 _METRIC = re.compile(rf"^({_NUMBER})\s*(mm|cm|m)?\.?$", re.IGNORECASE)
 _CROSS = re.compile(r"(?<=[\d'\"m”″’ ])\s*[x×X*]\s*(?=\d)")
 _SMALL = re.compile(r"^\d{1,2}(?:[.,]\d{1,2})?$")
-#: Lengths (metres) and areas (m2) that rooms and homes have.
-_HALL = 6.5  #: m that the median side of a home's rooms is not
+_HALL = 6.5  #: m; rooms of a home have a smaller median side
+#: Possible lengths (metres) and areas (m2) in homes.
 _LENGTHS, _AREAS = (0.3, 60.0), (0.5, 600.0)
 
 
 def read_areas(text: str) -> list[tuple[float, float]]:
-    """Return each area in a text in m2, and what its last digit is worth."""
+    """Return each area in a text in m2, and the value in m2 of one in its last digit."""
     areas = []
     for number, unit in _AREA.findall(text):
         square = _FOOT**2 if "f" in unit.lower() else 1.0
@@ -36,7 +36,7 @@ def read_areas(text: str) -> list[tuple[float, float]]:
 
 
 def read_length(text: str) -> list[float]:
-    """Return what a text may mean as a length, in metres: no unit leaves several meanings."""
+    """Return the lengths in metres that a text may mean; several where it gives no unit."""
     plain = text.strip().strip("()[]")
     feet = _FEET.match(plain)
     if feet is not None:
@@ -51,27 +51,27 @@ def read_length(text: str) -> list[float]:
         return _possible([value * {"mm": 0.001, "cm": 0.01, "m": 1.0}[unit]])
     if digit < 1:
         return _possible([value, value / 100])
-    if value < 30:  # a number of a room or a storey
+    if value < 30:  # the number of a room or a storey
         return []
     return _possible([value / 1000, value / 100])
 
 
 def sides_in_feet(texts: Iterable[str]) -> bool:
-    """Return whether sides without a unit are decimal feet: as metres they were halls'."""
+    """Return whether sides without a unit are decimal feet: in metres they would be too large."""
     plain = [pairs for text in texts if in_two_units(pairs := read_sides(text))]
     sides = [side for pairs in plain for side in pairs[0]]
     return bool(sides) and median(sides) > _HALL
 
 
 def in_two_units(pairs: Sequence[tuple[float, float]]) -> bool:
-    """Return whether sides are metres or decimal feet, as :func:`read_sides` returns both."""
+    """Return whether `pairs` of :func:`read_sides` are one reading in metres and one in feet."""
     return len(pairs) == 2 and abs(pairs[1][0] / pairs[0][0] - _FOOT) < 1e-6
 
 
 def read_sides(text: str) -> list[tuple[float, float]]:
-    """Return what a text may mean as the two sides of a room, in metres.
+    """Return the pairs of sides of a room, in metres, that a text may mean.
 
-    Small numbers without a unit are metres or decimal feet, in this order.
+    Small numbers without a unit give two pairs: read as metres, then as decimal feet.
     """
     plain = re.sub(r"\s*(mm|cm|m|ft)\.?$", r"\1", text.strip(" ~"), flags=re.IGNORECASE)
     parts = _CROSS.split(plain)
@@ -91,11 +91,11 @@ def read_sides(text: str) -> list[tuple[float, float]]:
 
 
 def _value(text: str) -> tuple[float, float]:
-    """Return a number and what its last digit is worth."""
+    """Return a number, and the value of one in its last digit."""
     whole, _, digits = text.replace(",", ".").partition(".")
     return float(f"{whole}.{digits or 0}"), 10.0 ** -len(digits)
 
 
 def _possible(lengths: list[float]) -> list[float]:
-    """Return lengths that something in a home can have."""
+    """Return those of the lengths that are possible in a home."""
     return [length for length in lengths if _LENGTHS[0] <= length <= _LENGTHS[1]]

@@ -27,7 +27,7 @@ from plan2scene_app.plan_formats.drawing import (
     house_of_storeys,
 )
 
-#: Most of a scan's parts.
+#: Largest numbers of a scan's parts.
 _LIMITS = {"walls": MAX_AXES, "floors": MAX_ROOMS, "objects": MAX_ITEMS}
 _KINDS = {"doors": "door", "windows": "window", "openings": "passage"}
 
@@ -43,7 +43,7 @@ def is_roomplan(document: Any) -> bool:
 
 
 def house_of_roomplan(document: Any, house_id: str, *, file: str = "") -> House:
-    """Return the house of a captured room or structure; its lowest storey is at 0."""
+    """Return the house of a captured room or structure, with its lowest storey at elevation 0."""
     source = Source(file, house_id)
     rooms = [source.mapping(room, "a room") for room in _rooms(document)]
     counts = {key: sum(len(source.items(room.get(key), key)) for room in rooms) for key in _LIMITS}
@@ -68,7 +68,7 @@ def house_of_roomplan(document: Any, house_id: str, *, file: str = "") -> House:
 
 
 def _rooms(document: dict[str, Any]) -> list[Any]:
-    """Return the captured rooms of a structure, or the one that the document is."""
+    """Return the captured rooms of a structure, or the document itself if it is one room."""
     rooms = document.get("rooms")
     return rooms if isinstance(rooms, list) and rooms else [document]
 
@@ -85,7 +85,7 @@ def _story(source: Source, room: dict[str, Any]) -> int:
 
 
 def _drawing(source: Source, rooms: list[dict[str, Any]]) -> Drawing:
-    """Return what the rooms of one storey have."""
+    """Return the drawing of the rooms of one storey."""
     drawing = Drawing()
     for number, room in enumerate(rooms):
         base = _floor_height(source, room)
@@ -109,7 +109,7 @@ def _drawing(source: Source, rooms: list[dict[str, Any]]) -> Drawing:
 
 
 def _walls(source: Source, room: dict[str, Any], base: float) -> list[WallAxis]:
-    """Return a room's walls, as high as their tops are above the floor at `base`."""
+    """Return a room's walls; their height goes from the floor at `base` to their top."""
     walls = [_upright(source, wall, "a wall") for wall in source.items(room.get("walls"), "walls")]
     return [WallAxis(start, end, 0.0, top - base) for start, end, _, top in walls]
 
@@ -117,9 +117,10 @@ def _walls(source: Source, room: dict[str, Any], base: float) -> list[WallAxis]:
 def _parts(
     source: Source, room: dict[str, Any], height: float, scan: Drawing, floors: int
 ) -> list[DrawnRoom]:
-    """Return the rooms of a scan of several with one floor: those that its walls close.
+    """Return the rooms that a scan's walls close, if it has fewer floors than rooms.
 
-    Such a scan has a section in each room. Empty where the walls close no more rooms than floors.
+    Such a scan has more sections, one for each room, than floors. The list is empty if the walls
+    close no more rooms than there are floors.
     """
     if len(source.items(room.get("sections"), "sections")) <= floors or not scan.axes:
         return []
@@ -171,7 +172,7 @@ def _room(source: Source, room: dict[str, Any], floor: Any, height: float, name:
 
 
 def _labelled(source: Source, room: dict[str, Any], ring: Ring, height: float) -> DrawnRoom:
-    """Return a room with the types of the sections inside it."""
+    """Return a room with the names and types of the sections inside it."""
     polygon = Polygon(ring)
     labels = []
     for section in source.items(room.get("sections"), "sections"):
@@ -201,7 +202,7 @@ def _floor_ring(source: Source, floor: Any, name: str) -> Ring:
 
 
 def _add_openings(source: Source, room: dict[str, Any], base: float, drawing: Drawing) -> None:
-    """Add a room's doors, windows and openings that another room has not shown already."""
+    """Add those doors, windows and openings of a room that no other room has added already."""
     for key, kind in _KINDS.items():
         for value in source.items(room.get(key), key):
             start, end, bottom, top = _upright(source, value, key)

@@ -1,7 +1,7 @@
 """Reader of Sweet Home 3D files: the Home.xml in the archive (version 5.3 and later).
 
 Centimetres, x right, y down, angles in radians. Only Home.xml is unpacked: the entry Home is a
-serialised Java object and models are of no use here.
+serialised Java object, and the 3D models are not needed.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from plan2scene_app.plan_formats.containers import attribute, parse_xml, zip_ent
 from plan2scene_app.plan_formats.drawing import Drawing, DrawnRoom, DrawnStorey, house_of_storeys
 
 ENTRY = "Home.xml"
-#: Metres of the file's unit.
+#: The file's unit in metres.
 CM = 0.01
-#: A curved wall turns by less than a full circle.
+#: Largest angle of a curved wall, less than a full circle.
 MAX_TURN = math.radians(350.0)
 _WINDOWS = ("window", "fenster", "fenêtre", "fenetre", "ventana", "finestra", "raam")
 _FRAMES = ("frame", "opening", "passage", "arch")
@@ -32,7 +32,7 @@ _PIECES = ("pieceOfFurniture", "light", "shelfUnit")
 
 
 def is_sweet_home(path: Path) -> bool:
-    """Return whether an archive is a home of Sweet Home 3D, of any version."""
+    """Return whether an archive is a Sweet Home 3D file, of any version."""
     names = zip_names(path)
     return names is not None and (ENTRY in names or "Home" in names)
 
@@ -56,7 +56,7 @@ def house_of_sweet_home(path: Path, house_id: str) -> House:
 
 
 def _with_layers(storeys: Iterable[DrawnStorey]) -> list[DrawnStorey]:
-    """Return storeys, a layer of rooms alone and one of walls at its elevation as one."""
+    """Return storeys, with a layer of rooms only and one of walls at its elevation merged."""
     merged: list[DrawnStorey] = []
     for storey in storeys:
         for k, other in enumerate(merged):
@@ -83,7 +83,7 @@ class _Home:
         self.levels = {level.get("id", ""): level for level in root.findall("level")}
 
     def drawn_levels(self) -> list[str]:
-        """Return the ids of the levels on which anything is drawn; "" for a home without any."""
+        """Return the ids of levels with rooms or walls, else of the first, "" without levels."""
         drawn = {
             self._level(element.get("level", ""))
             for tag in ("room", "wall")
@@ -94,7 +94,7 @@ class _Home:
         return [name for name in self.levels if name in drawn] or [self._level("")]
 
     def _level(self, named: str) -> str:
-        """Return the level that an element is on: the first where it names none of the file."""
+        """Return the level that an element names, or the first if the file has no such level."""
         return named if named in self.levels else next(iter(self.levels), "")
 
     def _elevation(self, level: str) -> float:
@@ -104,7 +104,7 @@ class _Home:
         )
 
     def storey(self, level: str) -> DrawnStorey:
-        """Return a level with what it shows."""
+        """Return a level as a storey with its drawing."""
         element = self.levels.get(level)
         height = attribute(self.source, self.root, "wallHeight", 250.0, scale=CM)
         if element is not None:
@@ -115,7 +115,7 @@ class _Home:
         return DrawnStorey(name[:100], self._elevation(level), self._drawing(level, height))
 
     def _drawing(self, level: str, height: float) -> Drawing:
-        """Return what a level shows."""
+        """Return the drawing of a level: its walls, rooms, openings and furniture."""
         drawing = Drawing(height=height)
         for element in self._on_level(("wall",), level):
             drawing.axes += self._wall(element, height)
@@ -138,7 +138,7 @@ class _Home:
         return drawing
 
     def _on_level(self, tags: tuple[str, ...], level: str) -> Iterator[Element]:
-        """Yield the visible elements of these tags on a level, out of groups too."""
+        """Yield the visible elements with these tags on a level, also those in groups."""
         queue = [(element, element.get("level", "")) for element in reversed(self.root)]
         while queue:
             element, own = queue.pop()
@@ -157,7 +157,10 @@ class _Home:
         return (x0, z0), (x1, z1)
 
     def _wall(self, wall: Element, usual: float) -> list[WallAxis]:
-        """Return a wall's axis, `usual` metres high if it gives no height; several for a curve."""
+        """Return a wall's axis; several for a curved wall.
+
+        A wall without a height is `usual` metres high.
+        """
         thickness = attribute(self.source, wall, "thickness", 10.0, scale=CM)
         height = attribute(self.source, wall, "height", usual / CM, scale=CM)
         height = max(height, attribute(self.source, wall, "heightAtEnd", height / CM, scale=CM))
@@ -215,7 +218,7 @@ class _Home:
 
 
 def _kind(piece: Element, bottom: float) -> str:
-    """Return the kind of opening that a door or window is."""
+    """Return the kind of opening of a piece: window, passage or door."""
     if bottom >= SETTINGS.sill:
         return "window"
     name = f"{piece.get('catalogId', '')} {piece.get('name', '')}".lower()
@@ -227,7 +230,7 @@ def _kind(piece: Element, bottom: float) -> str:
 
 
 def _arc(start: Point, end: Point, extent: float) -> list[Point]:
-    """Return points along a wall; `extent` is the angle in radians that a curved one turns by."""
+    """Return points along a wall; `extent` is the angle in radians of a curved wall's arc."""
     extent = max(-MAX_TURN, min(extent, MAX_TURN))
     chord = math.dist(start, end)
     if abs(extent) < 1e-3 or chord == 0:

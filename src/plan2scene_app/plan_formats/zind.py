@@ -1,8 +1,8 @@
 """Reader of layouts as in the Zillow Indoor Dataset: a floor of zind_data.json.
 
-Rooms of `redraw` (the cleaned plan), else the first primary panorama of each complete room of
-`merger`. Plan units times `scale_meters_per_coordinate`; the plan's y goes up: (x, y) becomes
-(x, -y).
+Rooms come from `redraw` (the cleaned plan), else from the first primary panorama of each complete
+room in `merger`. Plan units times `scale_meters_per_coordinate` are metres; the plan's y goes up:
+(x, y) becomes (x, -y).
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _KINDS = {"doors": "door", "windows": "window", "openings": "passage"}
 
 
 def is_zind(document: Any) -> bool:
-    """Return whether a JSON document holds such layouts."""
+    """Return whether a JSON document holds layouts as in ZInD."""
     return isinstance(document, dict) and (
         isinstance(document.get("redraw"), dict) or isinstance(document.get("merger"), dict)
     )
@@ -40,7 +40,7 @@ def house_of_zind(
 ) -> House:
     """Return the house of the floor with the most floor area.
 
-    `metres_per_unit` goes before the file's scale. InputError where a floor has neither.
+    `metres_per_unit`, if given, replaces the file's scale. InputError if a floor has neither.
     """
     source = Source(file, house_id)
     parts = {
@@ -94,7 +94,7 @@ def _floor(
 
 
 def _panoramas(source: Source, merger: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yield (label, panorama) of each complete room, a primary one where there is one."""
+    """Yield (label, panorama) for each complete room: the first primary one, else the first."""
     for complete in merger.values():
         panoramas = [
             source.mapping(pano, "a panorama")
@@ -143,7 +143,7 @@ def _add_room(
     move: np.ndarray,
     step: int,
 ) -> None:
-    """Add a room and its openings: `step` points each, a third one is (bottom, top)."""
+    """Add a room and its openings, which have `step` points each; a third one is (bottom, top)."""
     ring = source.outline(_points(source, room.get("vertices"), matrix, move), label[:40])
     drawing.add_room(DrawnRoom(label, (ring,)))
     for key, kind in _KINDS.items():

@@ -1,1 +1,1 @@
-"""The studio: a local server to draw a plan, add photos, make the house and look at it."""
+"""The studio: a local web server to draw a plan, add photos, make the house and view it."""

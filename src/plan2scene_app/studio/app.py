@@ -1,4 +1,4 @@
-"""The studio's server: access, pages and responses below ``/{token}/``."""
+"""The studio's web application: access control, pages and responses below ``/{token}/``."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ from plan2scene_app.studio import plan_source, results, runs
 from plan2scene_app.studio.plan_source import UnreadPlanError
 from plan2scene_app.studio.projects import PICTURE, Conflict, Project, Projects
 
-#: Most bytes of an uploaded photo, plan and of the editor's state.
+#: Largest size in bytes of an uploaded photo, an uploaded plan, and the editor's state.
 MAX_PHOTO, MAX_PLAN, MAX_STATE = 60_000_000, 200_000_000, 8_000_000
 
 _Answer = Callable[[Request], Awaitable[Response]]
-#: What a page of the viewer may do: show itself.
+#: Content policy of a viewer's page: it may run its scripts and start downloads, but not connect.
 _VIEWER_POLICY = (
     "sandbox allow-scripts allow-downloads; default-src 'none'; "
     "script-src 'unsafe-inline' blob: data:; style-src 'unsafe-inline'; img-src data: blob:; "
@@ -78,7 +78,7 @@ def studio_app(root: Path, token: str, port: int, cores: int) -> Guard:
 
 
 def _handled(answer: _Answer) -> _Answer:
-    """Return a handler that turns errors into one line with a status code."""
+    """Wrap a handler: an error becomes a response with one line of text and a status code."""
 
     async def handled(request: Request) -> Response:
         try:
@@ -101,7 +101,7 @@ def _handled(answer: _Answer) -> _Answer:
 
 
 class _Studio:
-    """The answers; long work is done beside the server's own thread."""
+    """The handlers of all requests; long work runs in another thread than the server."""
 
     def __init__(self, projects: Projects, cores: int) -> None:
         self.projects = projects
@@ -129,37 +129,37 @@ class _Studio:
         return JSONResponse({"name": self.projects.make(str(name)).name})
 
     async def project(self, request: Request) -> Response:
-        """Show one project: the editor, and the house."""
+        """Show the page of one project: the editor and the house."""
         project = self._of(request)
         start = {"house": project.name, "title": project.title, **project.state()}
         return _page(*project_page(start | {"source": plan_source.is_kept(project)}))
 
     async def state(self, request: Request) -> Response:
-        """Give plan, photos and place of the picture; nothing new for the revision asked with."""
+        """Give the editor's state; only the revision if the client already has it (``not=``)."""
         project = self._of(request)
         if request.query_params.get("not") == project.revision():
             return JSONResponse({"revision": project.revision()})
         return JSONResponse(project.state())
 
     async def save(self, request: Request) -> Response:
-        """Keep what the editor holds."""
+        """Store the editor's state."""
         project, state = self._of(request), _object(await body(request, MAX_STATE))
         revision = project.save(state)
         plan_source.keep_two_points(project)
         return JSONResponse({"revision": revision})
 
     async def open_plan(self, request: Request) -> Response:
-        """Convert an uploaded plan of any format, or keep a picture of one."""
+        """Read an uploaded plan of any format or a picture of one, and store the file."""
         project, content = self._of(request), await body(request, MAX_PLAN)
         return JSONResponse(await run_in_threadpool(plan_source.read_upload, project, content))
 
     async def reading(self, request: Request) -> Response:
-        """Give how the uploaded plan is read, and what may be given for it."""
+        """Give the scale and layers with which the uploaded plan is read, and the possible ones."""
         reading = await run_in_threadpool(plan_source.reading_of, self._of(request))
         return JSONResponse(reading)
 
     async def read_again(self, request: Request) -> Response:
-        """Read the uploaded plan with a scale or layers."""
+        """Read the uploaded plan again with another scale or other layers."""
         project, values = self._of(request), _object(await body(request, 10_000))
         return JSONResponse(await run_in_threadpool(plan_source.read_again, project, values))
 
@@ -171,19 +171,19 @@ class _Studio:
         return FileResponse(file, media_type="image/png")
 
     async def thumb(self, request: Request) -> Response:
-        """Give a small picture of a photo."""
+        """Give a photo's thumbnail."""
         path = self._of(request).photo(request.path_params["photo"])
         small = await run_in_threadpool(results.thumbnail, path)
         return Response(small, media_type="image/jpeg")
 
     async def add_photo(self, request: Request) -> Response:
-        """Keep a photo."""
+        """Store an uploaded photo."""
         project, content = self._of(request), await body(request, MAX_PHOTO)
         await run_in_threadpool(project.add_photo, request.path_params["photo"], content)
         return JSONResponse({"name": request.path_params["photo"]})
 
     async def status(self, request: Request) -> Response:
-        """Give how far the run is, and what is ready."""
+        """Give the run's progress and the results that exist."""
         project = self._of(request)
         return JSONResponse(
             runs.status(project)
@@ -192,11 +192,11 @@ class _Studio:
         )
 
     async def finishes(self, request: Request) -> Response:
-        """Give what the owner has set by hand."""
+        """Give the finishes that the owner has set."""
         return JSONResponse({"rows": self._of(request).finishes()})
 
     async def set_finishes(self, request: Request) -> Response:
-        """Keep what the owner sets by hand."""
+        """Store the finishes that the owner sets."""
         project, sent = self._of(request), _object(await body(request, MAX_STATE))
         project.set_finishes(sent.get("rows"))
         return JSONResponse({"rows": project.finishes()})
@@ -214,7 +214,7 @@ class _Studio:
         return await self.status(request)
 
     async def result(self, request: Request) -> Response:
-        """Give a result."""
+        """Give a file of the results."""
         path = results.result_file(self._of(request), request.path_params["file"])
         if path.suffix == ".html":
             headers = {"Content-Security-Policy": _VIEWER_POLICY}
@@ -222,20 +222,20 @@ class _Studio:
         return FileResponse(path)
 
     async def zip(self, request: Request) -> Response:
-        """Give all results in one file."""
+        """Give all results in one ZIP archive."""
         project = self._of(request)
         content = await run_in_threadpool(results.zipped, project)
         return _download(f"{project.name}.zip", content)
 
     async def export(self, request: Request) -> Response:
-        """Give the house in a form that other programs read."""
+        """Give the house in a format that other programs read."""
         form = request.path_params["form"]
         file = await run_in_threadpool(results.exported, self._of(request), form)
         return _download(*file)
 
 
 def _object(content: bytes) -> dict[str, Any]:
-    """Return a JSON object out of a request."""
+    """Parse a request's body as a JSON object."""
     try:
         document = parse_json(content.decode("utf-8"), "the request")
     except UnicodeDecodeError:
@@ -246,7 +246,7 @@ def _object(content: bytes) -> dict[str, Any]:
 
 
 def _download(name: str, content: bytes) -> Response:
-    """Return a file to save."""
+    """Return a response that the browser saves as a file."""
     headers = {"Content-Disposition": f'attachment; filename="{name}"'}
     return Response(content, media_type="application/octet-stream", headers=headers)
 
@@ -260,10 +260,10 @@ HOSTS = ("127.0.0.1", "localhost")
 
 
 class Guard:
-    """Refuses requests with another host, origin or token, and adds headers to answers.
+    """Refuses requests with a wrong host, origin or token, and adds headers to responses.
 
-    A page of another site can neither guess the token nor be let in by its name resolving to this
-    machine (the host is checked), and what it sends has its own origin.
+    This stops pages of other sites: they cannot guess the token, their requests have their own
+    origin, and a host name of theirs that resolves to this machine is refused.
     """
 
     def __init__(self, app: ASGIApp, token: str, port: int) -> None:
@@ -309,7 +309,7 @@ class Guard:
 
 
 class TooLarge(Exception):  # noqa: N818 - an answer
-    """A request has more bytes than it may."""
+    """A request's body is larger than allowed."""
 
 
 async def body(request: Request, most: int) -> bytes:

@@ -1,15 +1,15 @@
-// What the owner sets by hand: a surface is clicked in the viewer, its finish chosen here. Kept at
-// once; shown at once where it is a colour, and made when the run is through.
+// Finishes that the owner sets: a surface is clicked in the viewer, and its finish is chosen here. It is
+// saved at once; a colour is also shown at once; the next run makes the textures.
 
 import { labelOf } from "./document.js";
 import { ask, button, el } from "./dom.js";
 import { asked } from "./server.js";
 
-const HASTE = 1200; // milliseconds from the last choice to the run
+const HASTE = 1200; // milliseconds from the last choice until a run starts
 const KINDS = /^(floor|ceiling|wall(\..+)?|door|trim)$/;
-const WHITE = "#eceae7"; // as it is shown until the run is through
+const WHITE = "#eceae7"; // colour shown for "white" until the run has made it
 const SAID = { trim: "skirting and frames" };
-const SHOWN = 420; // pixels of a picture to take a colour from
+const SHOWN = 420; // side in pixels of a picture from which a colour is picked
 
 export class Finishes {
   rows = []; undone = []; surface = null;
@@ -23,7 +23,7 @@ export class Finishes {
   }
   get frame() { return document.querySelector("#results iframe")?.contentWindow; }
 
-  /** The viewer says which surface was clicked. */
+  /** Handle the viewer's message that names the clicked surface. */
   hear({ source, data }) {
     if (source !== this.frame || data?.kind !== "surface") return;
     const { room, surface } = data;
@@ -32,7 +32,7 @@ export class Finishes {
   }
   of(room, surface) { return this.rows.find((row) => row[0] === room && row[1] === surface)?.[2]; }
 
-  /** Set a surface; null leaves it as found. */
+  /** Set a surface's finish; null removes it. */
   set(room, surface, what) {
     const others = this.rows.filter((row) => row[0] !== room || row[1] !== surface);
     return this.keep(what === null ? others : [...others, [room, surface, what]], { room, surface, what });
@@ -41,7 +41,7 @@ export class Finishes {
     ({ rows: this.rows } = await asked("finishes", { method: "PUT", body: JSON.stringify({ rows }) }));
     this.view.tell("");
   }
-  /** Rooms keep what was set for them when they are renamed; a renamed room has its old outline. */
+  /** Renamed rooms keep their finishes; a renamed room is recognised by its unchanged outline. */
   follow(plan) {
     const was = new Map(this.plan.rooms.map((room) => [room.polygon, room.id]));
     const now = new Map(plan.rooms.map((room) => [was.get(room.polygon), room.id]));
@@ -71,7 +71,7 @@ export class Finishes {
     this.render();
   }
 
-  /** What tells a room from the others, and a door by the rooms beside it. */
+  /** The label of a room, or of a door by the rooms beside it. */
   label(id) {
     const { app } = this.view, room = app.store.state.plan.rooms.find((entry) => entry.id === id);
     if (room || id === "*") return room ? labelOf(room) : "all rooms";
@@ -88,7 +88,7 @@ export class Finishes {
       ...(lines.length ? [el("ul", { className: "list set" }, lines)] : []),
       ...(this.undone.length ? [button("Undo", () => this.undo())] : []));
   }
-  /** All surfaces, for who does not click: by keys, or with a reader of screens. */
+  /** A list of all surfaces, for users of the keyboard or a screen reader. */
   list() {
     const { rooms, openings } = this.view.app.store.state.plan, entry = (room, surface) => ({ room, surface, title: `${this.label(room)}, ${SAID[surface] ?? surface}` });
     const all = [...rooms.flatMap(({ id }) => ["floor", "wall", "ceiling", "trim"].map((surface) => entry(id, surface))), ...openings.filter(({ kind }) => kind === "door").map(({ id }) => entry(id, "door"))];
@@ -116,7 +116,7 @@ export class Finishes {
         choose("Same as in\u2026", rooms.map((other) => [`same:${other.id}`, labelOf(other)]))),
         photos.length ? this.view.folding("as in photo", false, "As in a photo\u2026", el("div", { className: "picks" }, photos.map(({ name }) => pick(name)))) : null].filter(Boolean)));
   }
-  /** Show a picture; a click takes the colour that is there. */
+  /** Show a picture; a click picks the colour at that point. */
   async takeColour(file, set) {
     let picture;
     try { picture = await createImageBitmap(file); } catch { this.view.tell(`${file.name} is no picture that can be read`); return; }

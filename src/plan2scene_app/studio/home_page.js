@@ -1,4 +1,4 @@
-// The list of homes.
+// The page with the list of all projects (homes).
 
 import { el } from "./dom.js";
 

@@ -1,4 +1,4 @@
-// The house of a project: how far its run is, what came out, downloads.
+// The house of a project: progress of its run, results, downloads.
 
 import { labelOf } from "./document.js";
 import { button, download, el } from "./dom.js";
@@ -26,7 +26,7 @@ export class HouseView {
 
   async poll() {
     clearTimeout(this.timer);
-    const { turn } = this; // another when a run was started since
+    const { turn } = this; // changes when a run is started meanwhile
     try {
       await this.take(await asked("run"));
       await this.host.look(this.run.revision);
@@ -56,7 +56,7 @@ export class HouseView {
   }
   async start() {
     document.getElementById("tab-house").click();
-    if (this.starting) return; // a second click, or a choice that fell due meanwhile
+    if (this.starting) return; // a second click, or a scheduled run
     this.starting = true;
     try {
       await this.host.flush();
@@ -69,7 +69,7 @@ export class HouseView {
     this.turn++;
     this.poll();
   }
-  /** Make a house that is there with what was set by hand since; after the run under way. */
+  /** Make an existing house again with newly set finishes, after the current run if there is one. */
   makeAgain() {
     this.due = true;
     this.poll();
@@ -77,7 +77,7 @@ export class HouseView {
   async cancel() {
     try { await this.take(await asked("run", { method: "DELETE" })); } catch (error) { this.tell(error.message); }
   }
-  /** Show a line of the server on both tabs; none takes it away. */
+  /** Show a message of the server on both tabs; an empty one removes it. */
   tell(line) {
     if (line) this.app.say(line);
     this.line = line;
@@ -97,7 +97,7 @@ export class HouseView {
   runSection(running, errors, done) {
     const { run } = this, changed = run.state === "done" && (run.settings.revision !== run.revision || run.settings.finishes !== run.finishes);
     const now = run.stages.find((stage) => stage.state === "running"), labels = new Map(this.app.store.state.plan.rooms.map((room) => [room.id, labelOf(room)]));
-    const told = new Set(this.app.problems.map((p) => `${p.room || "Plan"}: expected ${p.expected}, found ${p.found}`)); // beside the plan, each leading to its place
+    const told = new Set(this.app.problems.map((p) => `${p.room || "Plan"}: expected ${p.expected}, found ${p.found}`)); // already shown beside the plan, with links
     const lines = (run.warnings ?? []).filter((line) => !told.has(line)).map((line) => line.replace(/^[^:]+/, (room) => labels.get(room) ?? room));
     const titles = { none: "No house yet", running: "Being made", done: "Ready", failed: "The run failed", cancelled: "Cancelled", interrupted: "Interrupted" };
     return el("section", {}, el("h2", {}, titles[run.state]),
@@ -114,7 +114,7 @@ export class HouseView {
         el("ol", { className: "stages" }, run.stages.map((stage) => el("li", { className: stage.state }, stage.title)))) : null,
       lines.length ? this.folding("warnings", false, lines.length > 1 ? `${lines.length} things to know` : "One thing to know", lines.map((line) => el("p", {}, line))) : null);
   }
-  /** A part that folds, and stays as its user left it when the page is made anew. */
+  /** A section that folds; it stays open or closed when the page is rebuilt. */
   folding(name, open, title, ...children) {
     const node = el("details", { open: this.folds[name] ?? open }, el("summary", { onclick: () => { this.folds[name] = !node.open; } }, title), ...children);
     return node;
@@ -152,7 +152,7 @@ export class HouseView {
     const name = answer.headers.get("content-disposition").match(/filename="(.*)"/)[1];
     download(name, await answer.blob(), "application/octet-stream");
   }
-  /** The viewer opens where the last surface was clicked. */
+  /** Link parameters that open the viewer where the last surface was clicked. */
   get place() { return this.finishes.surface?.place ? `#${this.finishes.surface.place}` : ""; }
   paneOf(files, tiles) {
     const at = (name) => `results/${name}?${files[name] ?? ""}`;

@@ -1,4 +1,4 @@
-"""Files from strangers are read in a child process of limited time and memory."""
+"""Read files from strangers in a child process with limited time and memory."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from typing import Any, ParamSpec, TypeVar
 
 from plan2scene.errors import InputError
 
-#: Most seconds and bytes that a file may take: tracing a picture takes 20 s and 0.7 GB.
+#: Limits of time (seconds) and memory (bytes): tracing a picture takes 20 s and 0.7 GB.
 SECONDS, BYTES = 120.0, 4_000_000_000
-#: Children are forked from a process without threads that has imported this.
+#: Modules that the fork server imports. Children are forked from it because it has no threads.
 _PRELOADED = ["plan2scene_app.editor.editor_page"]
 
 P = ParamSpec("P")
@@ -19,9 +19,10 @@ T = TypeVar("T")
 
 
 def limited(function: Callable[P, T], *arguments: P.args, **named: P.kwargs) -> T:
-    """Return what a function of a module returns, or raise what it raises, in a child process.
+    """Call a function in a child process; return its result or raise its exception.
 
-    InputError where it takes more than `SECONDS` or `BYTES`, or crashes.
+    The function must be defined at the top level of a module. InputError if it takes more than
+    `SECONDS` or `BYTES`, or if the child crashes.
     """
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(_PRELOADED)
@@ -52,13 +53,13 @@ def limited(function: Callable[P, T], *arguments: P.args, **named: P.kwargs) -> 
 def _answer(
     pipe: Connection, most: int, function: Callable[..., Any], arguments: Any, named: Any
 ) -> None:
-    """Send (True, result) or (False, exception)."""
+    """Call the function with at most `most` bytes; send (True, result) or (False, exception)."""
     try:
         import resource
     except ImportError:  # not on Windows
         pass
     else:
-        # Not RLIMIT_AS, which counts what a library for GPUs only reserves.
+        # Not RLIMIT_AS: it also counts address space that GPU libraries reserve but do not use.
         resource.setrlimit(resource.RLIMIT_DATA, (most, most))
     try:
         answer = (True, function(*arguments, **named))

@@ -1,9 +1,9 @@
-"""The plan file that was uploaded to a project, and how it is read: its scale, layers of DXF.
+"""The plan file that was uploaded to a project, and the values with which it is read.
 
-``plan_source`` is the file, ``plan_source.json`` the values that were given for it, under the
-names of the configuration's ``floorplans``; ``two_points`` is the scale that was set by two points
-in the editor, and takes precedence over ``metres_per_pixel``. The page gets the plan that is read
-and keeps it as ``plan.json`` in metres.
+``plan_source`` is the file. ``plan_source.json`` holds the values that the user gave for it (scale
+and layers of a DXF), with the names of the configuration's ``floorplans``. ``two_points`` is the
+scale that was set by two points in the editor; it takes precedence over ``metres_per_pixel``. The
+page receives the plan that is read and saves it as ``plan.json`` in metres.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from plan2scene_app.studio.limited import limited
 from plan2scene_app.studio.projects import PICTURE, Project
 
 SOURCE, READING = "plan_source", "plan_source.json"
-#: Scales (metres of a pixel or unit) and widths of a house (metres) that may be given.
+#: Allowed scales (metres per pixel or unit) and widths of a house (metres).
 SCALES, WIDTHS = (1e-6, 1000.0), (1.0, 500.0)
-#: What is given of a file that was just uploaded.
+#: Values of a file that was just uploaded.
 _NOTHING: dict[str, Any] = {
     "metres_per_pixel": None,
     "two_points": None,
@@ -37,7 +37,7 @@ _NOTHING: dict[str, Any] = {
 
 
 class UnreadPlanError(InputError):
-    """A plan that may be read when a scale or layers are given; `reading` says what of."""
+    """A plan that cannot be read yet: a scale or layers may help; `reading` tells which."""
 
     def __init__(self, fault: InputError, reading: Mapping[str, Any]) -> None:
         super().__init__(fault.expected, fault.found)
@@ -45,9 +45,10 @@ class UnreadPlanError(InputError):
 
 
 def read_upload(project: Project, content: bytes) -> dict[str, Any]:
-    """Return what the editor makes of an uploaded file (:func:`opened`), which is kept.
+    """Store an uploaded file and return its plan in the editor's form (:func:`opened`).
 
-    InputError for a file that is no plan, which is not kept; UnreadPlanError where values may help.
+    InputError for a file that is not a plan; it is not stored. UnreadPlanError if a scale or layers
+    may help to read it; it is stored.
     """
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "plan"
@@ -62,7 +63,7 @@ def read_upload(project: Project, content: bytes) -> dict[str, Any]:
 
 
 def read_again(project: Project, changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the kept file as it is read with these values, which are kept where it can be."""
+    """Read the stored file with these values and return it; store the values if that succeeds."""
     file = _file(project)
     values = _values(project, changes)
     start = _opened(project, file, values)
@@ -71,9 +72,9 @@ def read_again(project: Project, changes: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def keep_two_points(project: Project) -> None:
-    """Keep the scale that two points in the editor gave the picture as it lies now, or its undoing.
+    """Store the scale that two points in the editor gave the picture, or remove it after an undo.
 
-    Values that cannot be read stay as they are; reading them raises the error.
+    If the stored values cannot be read, they stay as they are: reading the plan reports the error.
     """
     try:
         values = _kept(project)
@@ -89,17 +90,17 @@ def keep_two_points(project: Project) -> None:
 
 
 def is_kept(project: Project) -> bool:
-    """Return whether a plan file was opened in a project."""
+    """Return whether a project has a stored plan file."""
     return (project.path / SOURCE).is_file()
 
 
 def reading_of(project: Project) -> dict[str, Any]:
-    """Return what scale and layers may be given for the kept file, and those given so far."""
+    """Return which scale and layers the user can set for the stored file, and those set so far."""
     return _reading(_file(project), project.name, _kept(project))
 
 
 def _opened(project: Project, file: Path, values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what the editor makes of a file; a picture is kept in the project."""
+    """Return a file's plan in the editor's form; store its picture, if any, in the project."""
     try:
         scale, layers = values["metres_per_pixel"], values["dxf_layers"]
         start = limited(opened, file, project.name, scale, layers)
@@ -129,7 +130,7 @@ def _file(project: Project) -> Path:
 
 
 def _kept(project: Project) -> dict[str, Any]:
-    """Return the values on disk, checked: other programs may have changed them."""
+    """Return the stored values, checked, because other programs may have changed them."""
     file = project.path / READING
     document = read_json(file) if file.is_file() else {}
     try:
@@ -148,7 +149,7 @@ def _kept(project: Project) -> dict[str, Any]:
 
 
 def _picture(document: Any) -> dict[str, Any] | None:
-    """Return how the picture was read, checked."""
+    """Return the stored facts of the picture (size, doubt, shown), checked."""
     if document is None:
         return None
     size = document.get("size") if isinstance(document, dict) else ()
@@ -160,7 +161,7 @@ def _picture(document: Any) -> dict[str, Any] | None:
 
 
 def _look(file: Path, house: str, values: Mapping[str, Any]) -> tuple[str, Unscaled]:
-    """Return format and size of a file that a user may give a scale; InputError for another."""
+    """Return a file's format and size; InputError if the user cannot set its scale or layers."""
     plan = PlanFile(file, house, dxf_layers=values["dxf_layers"])
     if plan.is_picture:
         picture = values["picture"] or {}
@@ -188,9 +189,9 @@ def _reading(file: Path, house: str, values: Mapping[str, Any]) -> dict[str, Any
 
 
 def _values(project: Project, changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what a user gave for the kept file, checked.
+    """Return the values that a user gave for the stored file, checked.
 
-    ``width`` of the house stands for its scale, where it is known how wide it is drawn.
+    Instead of a scale, the user can give the ``width`` of the house if its drawn width is known.
     """
     scale, width = changes.get("metres_per_pixel"), changes.get("width")
     values = _kept(project) | {"dxf_layers": _layers(changes.get("dxf_layers") or {})}
@@ -221,7 +222,7 @@ def _number(value: Any, what: str, limits: tuple[float, float]) -> float:
 
 
 def _layers(patterns: Any) -> dict[str, str]:
-    """Return patterns of DXF layers; empty ones are left to the reader's own words."""
+    """Return patterns of DXF layers, checked, without empty ones, for which defaults are used."""
     if not isinstance(patterns, dict) or not set(patterns) <= set(LAYERS):
         raise InputError(f"patterns of {', '.join(LAYERS)}", "others")
     for kind, pattern in patterns.items():

@@ -1,8 +1,8 @@
-"""Projects of the studio: folders that ``plan2scene run`` goes on with.
+"""Projects of the studio: folders whose files ``plan2scene run`` can use as well.
 
-A project holds ``plan.json``, ``photos.csv``, ``photos/``, the picture of its plan, and ``house/``,
-the results. ``studio.json`` has what only the editor knows: photos without a room, the place of
-the picture, how the house is made. Every write is atomic; nothing of a user is removed.
+A project holds ``plan.json``, ``photos.csv``, ``photos/``, the picture of its plan, and the results
+in ``house/``. ``studio.json`` holds what only the editor needs: the list of photos, the place of
+the picture, and the project's title. Every write is atomic; no file of the user is removed.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from plan2scene_app.ids import fit_id
 
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,59}")
 _PHOTO = re.compile(r"(?i).+\.(jpe?g|png|webp|tiff?|bmp|gif)")
-#: Most photos of a project.
+#: Largest number of photos in a project.
 MAX_PHOTOS = 500
 PLAN, TABLE, EXTRA, PICTURE = "plan.json", "photos.csv", "studio.json", "plan_picture.png"
 
@@ -40,33 +40,33 @@ class Conflict(Exception):  # noqa: N818 - a state, not a fault
 
 @dataclass(frozen=True)
 class Project:
-    """One folder."""
+    """One project, given by its folder."""
 
     path: Path
 
     @property
     def name(self) -> str:
-        """The house's name."""
+        """The folder's name, which is the house's id."""
         return self.path.name
 
     @property
     def title(self) -> str:
-        """What its owner calls it."""
+        """The title that the owner gave it, else its name."""
         name = self._extra().get("name")
         return name if isinstance(name, str) and name else self.name
 
     @property
     def photos(self) -> Path:
-        """Folder of the photos."""
+        """The folder of the photos."""
         return self.path / "photos"
 
     @property
     def house(self) -> Path:
-        """Folder of the results."""
+        """The folder of the results."""
         return self.path / "house"
 
     def revision(self) -> str:
-        """Return a name of the files' present content, whoever wrote them."""
+        """Return a hash of the present content of plan, photo table and ``studio.json``."""
         digest = hashlib.sha256()
         for name in (PLAN, TABLE, EXTRA):
             file = self.path / name
@@ -75,7 +75,7 @@ class Project:
         return digest.hexdigest()[:20]
 
     def state(self) -> dict[str, Any]:
-        """Return ``{plan, photos, place, revision}`` as the editor holds them."""
+        """Return ``{plan, photos, place, revision}`` in the form of the editor."""
         revision = self.revision()
         extra = self._extra()
         rooms: dict[str, list[str]] = {name: [] for name in extra.get("photos", [])}
@@ -94,10 +94,10 @@ class Project:
         return {"plan": plan, "photos": photos, "place": place, "revision": revision}
 
     def save(self, state: Mapping[str, Any]) -> str:
-        """Write what the editor holds; return the new revision.
+        """Write the editor's state; return the new revision.
 
-        Conflict where the files are not those of ``state["revision"]`` any more, InputError where
-        the state is not of the editor's form.
+        Conflict if the files have changed since ``state["revision"]``, InputError if the state does
+        not have the editor's form.
         """
         plan, photos, place = (state.get(key) for key in ("plan", "photos", "place"))
         if not isinstance(plan, dict) or plan.get("format") != FORMAT:
@@ -115,24 +115,24 @@ class Project:
             (TABLE, buffer.getvalue()),
             (EXTRA, json.dumps(extra, indent=1, allow_nan=False) + "\n"),
         ):
-            # Snakemake goes by times: what did not change keeps its own.
+            # Snakemake compares times: a file whose content did not change keeps its time.
             if not _has(self.path / file, text):
                 write_text(self.path / file, text, flush=True)
         return self.revision()
 
     def finishes(self) -> list[list[str]]:
-        """Return what the owner has set by hand: rows of room, surface and what."""
+        """Return the finishes that the owner has set: rows of room, surface and what."""
         file = finishes_file(self.path / PLAN)
         found = read_finishes(file) if file.is_file() else {}
         return [[*key, what] for key, what in found.items()]
 
     def finishes_revision(self) -> str:
-        """Return a name of the present content of what is set by hand; empty for nothing."""
+        """Return a hash of the present file of finishes; empty if there is none."""
         file = finishes_file(self.path / PLAN)
         return hashlib.sha256(file.read_bytes()).hexdigest()[:20] if file.is_file() else ""
 
     def set_finishes(self, rows: Any) -> None:
-        """Write the finishes that the owner chose; InputError for one that no house can follow."""
+        """Write the finishes that the owner chose; InputError for a row that is not valid."""
         chosen = {}
         for row in rows if isinstance(rows, list) else [None]:
             cells = row if isinstance(row, list) else []
@@ -144,7 +144,7 @@ class Project:
         write_text(finishes_file(self.path / PLAN), finishes_text(chosen))
 
     def add_photo(self, name: str, content: bytes) -> None:
-        """Keep an uploaded photo; InputError for what is none, or another of its name."""
+        """Store a photo; InputError if it is not valid or another photo has the same name."""
         target = self.photo(name)
         if target.is_file():
             if target.read_bytes() != content:
@@ -160,7 +160,7 @@ class Project:
                 raise InputError(error.expected, error.found, file=name) from None
 
     def photo(self, name: str) -> Path:
-        """Return a photo's path; InputError for a name that is not of a photo in the folder."""
+        """Return the path of a photo's name; InputError for a name that no photo can have."""
         path = safe_join(self.photos, name)
         if "/" in name or not _PHOTO.fullmatch(name):
             raise InputError("a name of a JPEG, PNG, WebP, TIFF, BMP or GIF picture", repr(name))
@@ -187,13 +187,13 @@ class Projects:
         return sorted(path.name for path in folders if _NAME.fullmatch(path.name) and _is(path))
 
     def get(self, name: str) -> Project:
-        """Return a project; InputError where there is none of that name."""
+        """Return a project; InputError if there is none with that name."""
         if name not in self.names():
             raise InputError("a project", "none of this name")
         return Project(self.root / name)
 
     def make(self, name: str) -> Project:
-        """Make an empty project; its folder is named by letters of `name` that may name one."""
+        """Make an empty project with the title `name`; its folder's name is an id made from it."""
         shown = " ".join(name.encode("utf-8", "replace").decode().split())[:60]
         if not shown or any(shown == self.get(other).title for other in self.names()):
             raise InputError("a name that no other project has", repr(shown))
@@ -217,7 +217,7 @@ def _has(path: Path, text: str) -> bool:
 
 
 def _rows(photos: Any) -> dict[str, list[str]]:
-    """Return photo -> rooms of what the editor sent."""
+    """Return the rooms of each photo, checked, from the list that the editor sent."""
     if not isinstance(photos, list) or len(photos) > MAX_PHOTOS:
         raise InputError(f"a list of at most {MAX_PHOTOS} photos", "another")
     rows: dict[str, list[str]] = {}
@@ -231,7 +231,7 @@ def _rows(photos: Any) -> dict[str, list[str]]:
 
 
 def _place(place: Any) -> dict[str, Any] | None:
-    """Return where the picture lies, as plain numbers, and whether two points gave its scale."""
+    """Return the place of the picture, checked, and whether two points gave its scale."""
     if not isinstance(place, dict):
         return None
     try:

@@ -1,4 +1,4 @@
-// The dialog that asks for what a plan file does not tell: its scale, the layers of a DXF drawing.
+// The dialog that asks for data that a plan file lacks: its scale, the layers of a DXF drawing.
 
 import { ask, button, el, field } from "./dom.js";
 import { readLength } from "./units.js";
@@ -7,9 +7,10 @@ const number = (text) => (Number.isNaN(Number(text.replace(",", "."))) ? text : 
 const sizeText = (value) => String(Number(value.toPrecision(4)));
 const exact = (name) => name.replace(/[[*?]/g, "[$&]").replaceAll(",", "?");
 
-/** Show the reader's line and ask; resolves to {metres_per_pixel, width, dxf_layers}, null when closed.
+/** Show the reader's message and ask; resolves to {data, given}, or to null when closed.
  *
- * `reading` is the server's, `typed` what was given before (a FormData), `line` what was wrong.
+ * `reading` is the server's answer, `typed` the data of the last try (a FormData), `line` the error.
+ * `given` is {metres_per_pixel, width, dxf_layers}.
  */
 export async function askReading(reading, typed, line, feet) {
   const { unit, size, metres_per_pixel: now } = reading;
@@ -27,7 +28,7 @@ export async function askReading(reading, typed, line, feet) {
 function given(data, { patterns, metres_per_pixel: now }, feet) {
   const scale = data.get("scale").trim(), wide = (data.get("width") ?? "").trim();
   const metres = readLength(wide, feet);
-  const kept = wide && scale === String(now); // a width goes before the scale that was there
+  const kept = wide && scale === String(now); // a typed width replaces an unchanged scale
   return {
     metres_per_pixel: scale && !kept ? number(scale) : null,
     width: wide ? (Number.isNaN(metres) ? wide : metres) : null,
@@ -35,7 +36,7 @@ function given(data, { patterns, metres_per_pixel: now }, feet) {
   };
 }
 
-/** A pattern for each kind, and the names in the file: a click takes one into the field used last. */
+/** A field for each kind's pattern, and the names in the file: a click adds one to the last used field. */
 function layerFields({ names, patterns, dxf_layers: layers }, text, input) {
   const kinds = Object.keys(patterns);
   if (!kinds.length) return [];

@@ -1,4 +1,4 @@
-"""What a run made, as the studio shows it and gives it away."""
+"""Results of a run, as the studio shows them and offers them for download."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from plan2scene_app.run import DELIVERED, OF_PHOTOS
 from plan2scene_app.studio.projects import Project
 
 _TILE = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_.-]*\.png")
-#: Longer side in pixels of a small picture of a photo.
+#: Longer side in pixels of a photo's thumbnail.
 THUMB = 240
 
 
 def results_of(project: Project) -> dict[str, Any]:
-    """Return ``{files: {name: time}, tiles: [name]}`` of what lies ready."""
+    """Return ``{files: {name: time}, tiles: [name]}`` of the existing results; times are in ns."""
     times = {}
     for name in (*DELIVERED, *OF_PHOTOS):
         file = project.house / name
@@ -34,7 +34,7 @@ def results_of(project: Project) -> dict[str, Any]:
 
 
 def result_file(project: Project, name: str) -> Path:
-    """Return a result's path; InputError for a name that is none."""
+    """Return a result's path; InputError if `name` is not a result or the file does not exist."""
     tile = name.removeprefix("textures/")
     is_tile = tile != name and _TILE.fullmatch(tile)
     if name not in (*DELIVERED, *OF_PHOTOS) and not is_tile:
@@ -55,9 +55,9 @@ def zipped(project: Project) -> bytes:
 
 
 def exported(project: Project, form: str) -> tuple[str, bytes]:
-    """Return the house in a form of the registry: the name of one file and its content.
+    """Export the house in a format of the registry; return the name and content of one file.
 
-    USD is one ``.usdz``; forms of several files are a ZIP archive.
+    For USD the file is a ``.usdz``, for every other format a ZIP archive.
     """
     scene, textures = result_file(project, "house.scene.json"), project.house / "textures"
     with tempfile.TemporaryDirectory() as folder:
@@ -71,7 +71,7 @@ def exported(project: Project, form: str) -> tuple[str, bytes]:
 
 
 def _archive(name: str, files: Mapping[str, Path]) -> bytes:
-    """Return a ZIP archive with a folder; the same files give the same bytes."""
+    """Return a ZIP archive with all files in one folder; the same files give the same bytes."""
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
         for entry_name, path in sorted(files.items()):

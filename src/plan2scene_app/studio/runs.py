@@ -1,7 +1,8 @@
-"""Runs of a project: start, look at, cancel. All that is known of a run lies in the project.
+"""Runs of a project: start, status, cancel. The project's folder holds all state of a run.
 
-A run is a process of its own (this module, run): it outlives the server, and the next server
-finds it. How far it is, the events of Snakemake's logger say (snakemake_logger_plugin_plan2scene).
+A run is a separate process (this module, executed): it continues when the server ends, and the next
+server finds it. Its progress is read from the events that a Snakemake logger writes
+(snakemake_logger_plugin_plan2scene).
 """
 
 from __future__ import annotations
@@ -28,13 +29,13 @@ from plan2scene.textures.methods import method_named
 from plan2scene_app.run import HOUSE_COLOURS, HOUSE_WALLS, TEXTURE_SIZES, SingleHouse, run
 from plan2scene_app.studio.projects import PLAN, TABLE, Project
 
-#: The command of a run, given a project's folder.
+#: The command of a run; the project's folder is its argument.
 JOB = (sys.executable, "-m", "plan2scene_app.studio.runs")
-#: Seconds that a cancelled run has to end by itself, and the process of one that is through.
+#: Seconds to wait until a cancelled run ends by itself, and until a finished run's process ends.
 _GRACE, _LEAVING = 3.0, 20.0
-#: In a project: the run under way or the last one, its events, and what it printed.
+#: Files in a project: the record of the current or last run, its events, and its output.
 RECORD, EVENTS, LOG = "run.json", "run_events.jsonl", "run.log"
-#: What people call the rules, in the order of the work.
+#: Titles of the workflow's rules for people, in the order of the work.
 STAGES = {
     "trace": "The picture of the plan",
     "floorplan": "Plan",
@@ -55,14 +56,14 @@ STAGES = {
     "pictures": "Pictures of the house",
     "viewer": "The page to walk through it",
 }
-#: Most warnings that are shown.
+#: Largest number of warnings that are shown.
 _WARNINGS = 20
-#: How a house is made where its owner chooses nothing.
+#: Settings of a house for which its owner chooses nothing.
 DEFAULTS = {"method": "exemplar", "texture_size": 128, "colours": "paint", "walls": "wall"}
 
 
 def settings_of(chosen: Mapping[str, Any], cores: int) -> dict[str, Any]:
-    """Return how a house is made, checked."""
+    """Return the checked settings of a run: the chosen ones, defaults for others, and `cores`."""
     settings: dict[str, Any] = dict(DEFAULTS)
     settings |= {key: chosen[key] for key in settings if key in chosen}
     method_named(str(settings["method"]))
@@ -76,7 +77,7 @@ def settings_of(chosen: Mapping[str, Any], cores: int) -> dict[str, Any]:
 
 
 def start(project: Project, settings: dict[str, Any]) -> None:
-    """Start a run; InputError where one is under way."""
+    """Start a run; InputError if one is already running."""
     _let_end(project)
     if _process(project) is not None or _is_starting(project):
         raise InputError("no run under way in this project", "one")
@@ -100,7 +101,7 @@ def start(project: Project, settings: dict[str, Any]) -> None:
 
 
 def _record(project: Project) -> dict[str, Any]:
-    """Return what is on record of a run; another program may have written other JSON."""
+    """Return a run's record without entries of a wrong type (other programs may write it)."""
     record = read_json(project.path / RECORD)
     if not isinstance(record, dict):
         return {}
@@ -109,20 +110,20 @@ def _record(project: Project) -> dict[str, Any]:
 
 
 def _let_end(project: Project) -> None:
-    """Wait for the process of a run that has recorded its end: it takes a moment to go."""
+    """Wait, at most `_LEAVING`, until the process of a run that has recorded its end is gone."""
     process = _process(project)
     if process and _record(project).get("state") not in ("starting", "running"):
         psutil.wait_procs([process], timeout=_LEAVING)
 
 
 def _record_start(project: Project, record: dict[str, Any]) -> None:
-    """Record a child, unless it was so quick that it has recorded its end."""
+    """Record a run's process, unless the run was so quick that it has already recorded its end."""
     if _record(project).get("state") == "starting":
         write_json(project.path / RECORD, record)
 
 
 def status(project: Project) -> dict[str, Any]:
-    """Return ``{state, stages, fault, warnings, settings}`` of the run under way or the last.
+    """Return ``{state, stages, fault, warnings, settings}`` of the current or last run.
 
     The state is none, running, done, failed, cancelled or interrupted (killed from outside).
     """
@@ -130,7 +131,7 @@ def status(project: Project) -> dict[str, Any]:
     if not file.is_file():
         return {"state": "none", "stages": [], "fault": "", "warnings": [], "settings": {}}
     alive = _process(project) is not None or _is_starting(project)
-    record = _record(project)  # after the look at the process: its end is on record by then
+    record = _record(project)  # read after `alive`: a run records its end before it exits
     state = record.get("state", "failed")
     if state in ("starting", "running"):
         state = "running" if alive else "interrupted"
@@ -150,7 +151,7 @@ def status(project: Project) -> dict[str, Any]:
 
 
 def _plain(line: str) -> str:
-    """Return a warning without the folder and the house that its reader knows."""
+    """Return a warning without its folder and house, which the user knows."""
     place = re.match(r"(?:file (?:[^,]*/)?([^,/]+), )?house [^,:]+(?:, room ([^:]+))?: ", line)
     if place is None:
         return line
@@ -160,7 +161,7 @@ def _plain(line: str) -> str:
 
 @dataclass
 class Progress:
-    """Stages of a run: how many jobs each has, which are under way, done, failed."""
+    """Progress of a run: the numbers of planned and finished jobs of each rule, and failures."""
 
     planned: dict[str, int] = field(default_factory=dict)
     started: set[str] = field(default_factory=set)
@@ -170,7 +171,7 @@ class Progress:
     warnings: list[str] = field(default_factory=list)
 
     def add(self, event: Mapping[str, Any]) -> None:
-        """Take in an event of the logger, or a ``warning`` of the run's own process."""
+        """Add an event of the logger, or a ``warning`` of the run's own process."""
         match event["event"]:
             case "planned":
                 for rule, count in event["jobs"].items():
@@ -208,7 +209,7 @@ class Progress:
 
 
 def read_progress(events: Path) -> Progress:
-    """Return the progress by a run's events; a last line that is only half written is skipped."""
+    """Return the progress from a run's events; a line that is only half written is skipped."""
     progress = Progress()
     lines = events.read_text("utf-8").splitlines() if events.is_file() else []
     for line in lines:
@@ -218,7 +219,7 @@ def read_progress(events: Path) -> Progress:
 
 
 def cancel(project: Project) -> None:
-    """End a run and all that it started; what is made stays, the next run goes on from there."""
+    """End a run and all its child processes; finished results stay, and the next run continues."""
     process = _process(project)
     if process is None:
         return
@@ -235,7 +236,7 @@ def cancel(project: Project) -> None:
 
 
 def _is_starting(project: Project) -> bool:
-    """Return whether a run was asked for a moment ago and its process is not on record yet."""
+    """Return whether a run was started a moment ago and its process is not yet recorded."""
     file = project.path / RECORD
     fresh = file.is_file() and time.time() - file.stat().st_mtime < _GRACE
     return fresh and _record(project).get("state") == "starting"
@@ -247,7 +248,7 @@ def _signal(process: psutil.Process, *, kill: bool) -> None:
 
 
 def _process(project: Project) -> psutil.Process | None:
-    """Return the process of the run under way: the one on record, not another of its number."""
+    """Return the running process of the recorded run, not a later one with the same number."""
     file = project.path / RECORD
     record = _record(project) if file.is_file() else {}
     if not isinstance(record.get("pid"), int):
@@ -261,7 +262,7 @@ def _process(project: Project) -> psutil.Process | None:
 
 
 class _AsEvent(logging.Formatter):
-    """Writes a record as an event of the run."""
+    """Formats a log record as a ``warning`` event of the run."""
 
     def format(self, record: logging.LogRecord) -> str:
         """Return one line of JSON."""
@@ -285,7 +286,7 @@ def make_house(project: Project, settings: Mapping[str, Any]) -> None:
         colours=settings["colours"],
         walls=settings["walls"],
     )
-    # What is made again is seen before the pictures of it are drawn.
+    # In a project with a house, deliver the new house and its viewer before the slow pictures.
     seen = ("house.glb", "viewer.html")
     first = seen if (project.house / seen[1]).is_file() else ()
     events = project.path / EVENTS

@@ -1,4 +1,4 @@
-// The studio's side of the editor: every change is kept on the server; changes of other tabs come in.
+// The editor's host in the studio: it saves every change on the server and takes changes of other tabs.
 
 import { completed } from "./app.js";
 import { newPlan, roomCalled } from "./document.js";
@@ -7,7 +7,7 @@ import { askReading } from "./reading.js";
 
 const DELAY = 400; // milliseconds from a change to its saving
 
-/** Ask the server; what it refuses is an error with its line. */
+/** Send a request to the server; a refusal throws an error with the server's message. */
 export async function asked(path, options = {}) {
   let answer;
   try { answer = await fetch(path, options); } catch { throw new Error("the studio does not answer: is it still running?"); }
@@ -20,7 +20,7 @@ export async function asked(path, options = {}) {
 
 export const photoUrl = (name) => `photos/${encodeURIComponent(name)}`;
 
-/** The state of the editor out of the server's. */
+/** The editor's state made from the server's. */
 export function editorState(found, rules) {
   const plan = found.plan ? completed(found.plan, rules) : newPlan(rules);
   const photos = found.photos.map(({ name, rooms }) => ({ name, rooms: rooms.map((room) => roomCalled(plan.rooms, room)) }));
@@ -43,7 +43,7 @@ export class Server {
   }
   get pending() { return this.#saving || this.app.store.state !== this.#kept; }
 
-  /** Save what is not saved; resolves when it is. */
+  /** Save unsaved changes; resolves when they are saved. */
   async flush() {
     clearTimeout(this.#timer);
     if (this.#saving) { this.#timer = setTimeout(() => this.flush(), DELAY); return; }
@@ -70,7 +70,7 @@ export class Server {
     else if (answer) { this.revision = theirs.revision; this.#timer = setTimeout(() => this.flush(), 0); }
     else this.app.say("Not saved: it was changed elsewhere, too. The next change asks again.");
   }
-  /** Show what the server has. */
+  /** Replace the editor's document by the server's. */
   take(found) {
     const { app } = this;
     this.revision = found.revision;
@@ -81,7 +81,7 @@ export class Server {
     this.#kept = app.store.state;
     clearTimeout(this.#timer);
   }
-  /** Look whether another tab has saved something. */
+  /** If the server has another revision, load what another tab has saved. */
   async look(revision) {
     if (revision === this.revision || this.pending) return;
     const found = await asked("state");
@@ -94,17 +94,17 @@ export class Server {
     await asked(photoUrl(file.name), { method: "PUT", body: file });
     return photoUrl(file.name);
   }
-  /** The picture as the server keeps it, with the plan that it traced. */
+  /** Upload a picture; resolves to the server's copy and the plan traced from it. */
   async picture(file) {
     const found = await this.read(file);
     if (!found.picture) throw new Error("a plan, not a picture");
     return found;
   }
-  /** A plan of another format: the server reads it. */
+  /** Open a plan of another format, which the server reads. */
   async openOther(file) {
     await this.show(await this.read(file), file);
   }
-  /** Let the server read a file; what it can't tell without the user is asked for. */
+  /** Let the server read a file; ask the user for a scale or layers if they are needed. */
   async read(file) {
     let found;
     try { found = await asked("plan", { method: "POST", body: file }); } catch (error) {
@@ -116,7 +116,7 @@ export class Server {
     this.source = true;
     return found;
   }
-  /** Read the file that was opened with other values. */
+  /** Read the opened file again with other values. */
   async readAgain() {
     try {
       const reading = await asked("plan/reading"), doubt = reading.doubt && "Its scale is a guess: give its width, or close this and click two points with the tool Scale.";
@@ -124,7 +124,7 @@ export class Server {
       if (found) await this.show(found);
     } catch (error) { this.app.say(error.message); }
   }
-  /** Ask for scale and layers until the server can read the plan; null where the user gives up. */
+  /** Ask for scale and layers until the server can read the plan; null if the user gives up. */
   async askUntilRead(reading, line) {
     let typed = null;
     for (;;) {
@@ -138,7 +138,7 @@ export class Server {
       }
     }
   }
-  /** Show what was read in place of the plan; undo brings that back. */
+  /** Replace the plan by the one that was read; undo brings the old plan back. */
   async show({ plan, picture, notes, scale }, file) {
     const { app } = this;
     Object.assign(app, { notes: notes ?? [], doubt: scale?.doubt ?? "" });
@@ -148,7 +148,7 @@ export class Server {
     app.setTool("select");
     app.fit();
   }
-  /** What the panel has below the house: the way back to the plan file's scale and layers. */
+  /** The panel's button that opens the dialog of the plan file's scale and layers. */
   planTools() {
     return this.source ? button("How the plan file is read\u2026", () => this.readAgain(), { className: "wide" }) : null;
   }

@@ -1,4 +1,4 @@
-"""Starts the studio on this machine."""
+"""Start the studio's server on this machine."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ if TYPE_CHECKING:
     from starlette.types import ASGIApp
 
 
-#: Seconds that a connection may stay silent within a request.
+#: Longest time in seconds without new data in the middle of a request.
 PATIENCE = 20.0
 
 
 def serve(folder: Path, *, port: int, cores: int, browser: bool) -> None:
-    """Serve the projects of a folder at 127.0.0.1 until Ctrl+C; the address is printed.
+    """Serve the projects of a folder at 127.0.0.1 until Ctrl+C; print the address.
 
-    InputError where the extra ``studio`` is not installed, or the port is taken.
+    InputError if the extra ``studio`` is not installed or the port is taken.
     """
     with installed("plan2scene[studio]"):
         from plan2scene_app.studio.app import studio_app
@@ -52,10 +52,11 @@ def serve(folder: Path, *, port: int, cores: int, browser: bool) -> None:
 
 @contextmanager
 def redirect_file(folder: Path, address: str) -> Iterator[Path]:
-    """Yield a file of this user alone that leads a browser to the address.
+    """Yield an HTML file, readable by this user only, that redirects a browser to the address.
 
-    Every user of the machine sees the command line of a browser, and the address has the token.
-    The file lies among the projects: browsers in a sandbox do not see the temporary folder.
+    The address contains the token, and every user of the machine can see a browser's command line:
+    so only this file's name is passed to the browser. The file lies in the projects' folder because
+    a browser in a sandbox cannot read the temporary folder.
     """
     folder.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(".html", "studio_", folder.resolve())
@@ -68,7 +69,7 @@ def redirect_file(folder: Path, address: str) -> Iterator[Path]:
 
 
 def http_server(app: ASGIApp) -> uvicorn.Server:
-    """Return a server that ends connections with half-sent requests."""
+    """Return a uvicorn server that closes connections with half-sent requests after `PATIENCE`."""
     import uvicorn
 
     config = uvicorn.Config(
@@ -84,7 +85,7 @@ def http_server(app: ASGIApp) -> uvicorn.Server:
 
 
 def _patient_protocol() -> type[asyncio.Protocol]:
-    """Return uvicorn's HTTP protocol, which then ends connections with half-sent requests."""
+    """Return uvicorn's HTTP protocol, changed to close connections with half-sent requests."""
     import h11
     from uvicorn.protocols.http.h11_impl import H11Protocol
 
@@ -100,7 +101,7 @@ def _patient_protocol() -> type[asyncio.Protocol]:
             if self.conn.their_state in (h11.DONE, h11.MUST_CLOSE, h11.CLOSED):
                 self._stop()
             elif self.waiting is None or self.conn.their_state is h11.SEND_BODY:
-                self._wait()  # a body may take its time, as long as some of it comes
+                self._wait()  # a long body is fine as long as data keeps arriving
 
         def connection_lost(self, exc: Exception | None) -> None:
             self._stop()

@@ -1,4 +1,4 @@
-// One project: the editor on one tab, its house on the other.
+// The page of one project: the editor on one tab, the house on the other.
 
 import { HouseView } from "./house_view.js";
 import { editorState, photoUrl, Server } from "./server.js";
@@ -32,4 +32,4 @@ function showTab(name) {
 for (const [name, tab] of Object.entries(tabs)) tab.addEventListener("click", () => showTab(name));
 document.addEventListener("visibilitychange", () => { if (document.hidden) host.flush(); });
 globalThis.house = new HouseView(app, host, app.rules);
-if (location.hash === "#house") showTab("house"); // where it was before a reload
+if (location.hash === "#house") showTab("house"); // the tab before a reload

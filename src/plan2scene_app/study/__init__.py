@@ -1,1 +1,1 @@
-"""The user study: its sheets, form and answers."""
+"""The user study: its sheets, its form and the evaluation of the answers."""

@@ -4,7 +4,7 @@ const get = (id) => document.getElementById(id);
 const source = (index) => "data:image/jpeg;base64," + study.images[index];
 const slot = "plan2scene-study-" + study.form;
 let state = { at: 0, answers: {} };
-try { state = JSON.parse(localStorage.getItem(slot)) || state; } catch (error) { /* no storage: answers last as long as the page */ }
+try { state = JSON.parse(localStorage.getItem(slot)) || state; } catch (error) { /* no storage: answers are kept only while the page is open */ }
 let shownSince = 0;
 
 function keep() {

@@ -1,4 +1,4 @@
-"""What a house shows in the user study: its plan, its photos, and a render of each method."""
+"""The pictures of a house in the user study: its plan, its photos, and a render of each method."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ def write_study_sheet(
 ) -> None:
     """Write a folder with ``plan.jpg``, ``photo_{n}.jpg``, ``{method}.jpg`` and ``sheet.json``.
 
-    The renders are from straight above without ceilings. Rooms in the plan name the numbers of
-    their photos. ``sheet.json``: ``{"house", "photos": [file names], "methods": [...]}``.
+    The renders are from straight above without ceilings. Each room's label in the plan has the
+    numbers of its photos. ``sheet.json``: ``{"house", "photos": [file names], "methods": [...]}``.
 
-    `photos` maps a photo's name to its file (one that cannot be read is left out, with a
-    warning), `rooms_of_photo` to the rooms it shows, `textures` a method to its folder.
+    `photos` maps a photo's name to its file; a photo that cannot be read is left out, with a
+    warning. `rooms_of_photo` maps a photo's name to its rooms, `textures` a method to its folder.
     """
     pictures: dict[str, Image.Image] = {}
     numbers: dict[str, list[str]] = {room.id: [] for room in house.rooms}

@@ -1,7 +1,7 @@
-"""Several drawings on one picture: which are storeys of the home, and how they lie on each other.
+"""Several drawings on one picture: find those that are storeys of the home, and align them.
 
-Drawings are parts of the ink with blank paper between their boxes. Those without rooms and openings
-(tables, site plans, legends) are none of the home.
+Drawings are parts of the ink with blank paper between their bounding boxes. Those without rooms and
+openings (tables, site plans, legends) do not belong to the home.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from scipy.signal import fftconvolve
 from plan2scene_app.tracing.lettering import TextLine
 from plan2scene_app.tracing.settings import DOOR, ROOM, SETTINGS, STAIRS, WINDOW
 
-#: Words (no accents, lower case) of a storey's caption by how high it is; `_` is a space.
+#: Words (no accents, lower case) of a caption, by the storey's number; `_` is a space.
 _STOREYS = {
     -1: "basement cellar keller untergeschoss ug souterrain sous_sol sotano seminterrato kallare",
     0: "ground erdgeschoss eg rez rdc planta_baja piano_terra bottenvaning begane_grond parterre",
@@ -28,13 +28,13 @@ _STOREYS = {
     3: "third 3rd 3_og",
     4: "attic loft dachgeschoss dg mansard mansarda combles zolder vind roof",
 }
-_CAPTION_WORDS = 5  #: a longer line is no caption
+_CAPTION_WORDS = 5  #: a line of more words is no caption
 
 
 def find_drawings(image: np.ndarray) -> tuple[np.ndarray, int]:
-    """Return the drawings (h, w) int32 of a picture, numbered from 1, 0 for none, and how many.
+    """Return the drawings (h, w) int32 of a picture, numbered from 1, 0 for none, and their count.
 
-    The picture (h, w, 3) uint8 has no text; drawings are in the order of reading.
+    The picture (h, w, 3) uint8 has no text. Drawings are numbered in reading order.
     """
     grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY).astype(np.float32)
     ink = np.abs(grey - np.percentile(grey, 90)) > SETTINGS.drawing_ink
@@ -52,7 +52,7 @@ def find_drawings(image: np.ndarray) -> tuple[np.ndarray, int]:
         if not near:
             kept.append(k)
             continue
-        for j in near[1:]:  # what lies between two joins them
+        for j in near[1:]:  # a part that overlaps two drawings joins them
             group[group == j + 1] = near[0] + 1
             kept.remove(j)
             boxes[near[0]] = _union(boxes[near[0]], boxes[j])
@@ -83,9 +83,9 @@ def _union(one: Sequence[int], other: Sequence[int]) -> list[int]:
 
 
 def shows_a_home(structure: np.ndarray) -> bool:
-    """Return whether a structure (h, w) uint8 has rooms, a door and openings enough for them.
+    """Return whether a structure (h, w) uint8 has rooms, a door, and enough openings for the rooms.
 
-    Cells of a table look like rooms with windows.
+    The door is needed because cells of a table look like rooms with windows.
     """
     rooms, count = ndimage.label(structure == ROOM)
     sizes = np.bincount(rooms.ravel(), minlength=count + 1)[1:]
@@ -95,7 +95,7 @@ def shows_a_home(structure: np.ndarray) -> bool:
 
 
 def _drawn_openings(drawn: np.ndarray) -> int:
-    """Return how many parts of what is drawn (h, w) bool are as long as a door or window."""
+    """Return the number of components of `drawn` (h, w) bool as long as a door or window."""
     places, count = ndimage.label(drawn, np.ones((3, 3)))
     sides = [max(s.stop - s.start for s in box) for box in ndimage.find_objects(places, count)]
     return sum(side >= SETTINGS.drawing_opening_px for side in sides)
@@ -107,9 +107,9 @@ class Storey:
 
     drawing: int  #: number of the drawing
     name: str  #: as written, else made up
-    floor: int  #: 0 the ground's, 1 the next
+    floor: int  #: 0 for the ground floor, 1 for the next one up
     shift: tuple[float, float]  #: pixels of the frame that bring it onto the ground floor
-    told: bool  #: whether a caption tells which it is
+    told: bool  #: whether a caption names the storey
 
 
 def storeys_of(
@@ -119,10 +119,11 @@ def storeys_of(
     lines: Sequence[TextLine],
     ppm: float,
 ) -> list[Storey]:
-    """Return the storeys of drawings, the lowest first.
+    """Return the storeys that drawings show, the lowest first.
 
-    `owner` and `rooms` (h, w) int32 number drawings and rooms, 0 for none; `lines` are in the
-    frame's pixels. Storeys without a caption follow each other as one reads.
+    `owner` and `rooms` (h, w) int32 hold the numbers of drawings and rooms, 0 for none. `lines` are
+    in the frame's pixels. Drawings without a caption rank between ground and first floor, in
+    reading order.
     """
     drawings = [int(n) for n in np.unique(owner[rooms > 0]) if n]
     captions = _captions(owner, rooms, drawings, lines)
@@ -144,7 +145,7 @@ def storeys_of(
 def _captions(
     owner: np.ndarray, rooms: np.ndarray, drawings: Sequence[int], lines: Sequence[TextLine]
 ) -> dict[int, tuple[int, str]]:
-    """Return height and caption of drawings that have one: the nearest, no room's name."""
+    """Return {drawing: (storey number, caption)} by the nearest caption outside all rooms."""
     boxes = {n: _box((owner == n) & (rooms > 0)) for n in drawings}
     found: dict[int, tuple[float, int, str]] = {}
     for line in lines:
@@ -162,7 +163,7 @@ def _captions(
 
 
 def storey_told(text: str) -> int | None:
-    """Return how high the storey is that a caption tells of; None for other texts."""
+    """Return the number of the storey that a caption names; None for other texts."""
     plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode().lower()
     words = re.findall(r"[a-z]+|\d+(?:st|nd|rd|er|eme|e)?", plain)
     if not 0 < len(words) <= _CAPTION_WORDS:
@@ -178,7 +179,7 @@ def _box(mask: np.ndarray) -> tuple[int, int, int, int]:
 
 
 def _distance(box: Sequence[float], point: Sequence[float]) -> float:
-    """Return how far a point is from a box."""
+    """Return the distance from a point to a box."""
     off = [max(box[k] - point[k], 0.0, point[k] - box[k + 2]) for k in (0, 1)]
     return float(np.hypot(off[0], off[1]))
 
@@ -192,7 +193,8 @@ def _shift(
 ) -> tuple[float, float]:
     """Return the shift (x, y) that brings the second of two drawings onto the first.
 
-    Floors, outer walls (`SETTINGS.walls_meet`) and stairs (`SETTINGS.stairs_meet`) shall meet.
+    It maximises the overlap of floors, outer walls and stairs, the latter two weighted by
+    `SETTINGS.walls_meet` and `SETTINGS.stairs_meet`.
     """
     step = max(1, round(ppm / 8))
     stairs = probabilities[STAIRS] > 0.5
@@ -213,5 +215,5 @@ def _shift(
 
 
 def _met(planes: Sequence[np.ndarray]) -> np.ndarray:
-    """Return how much two planes have in common for every shift of the second."""
+    """Return the overlap of two planes for every shift of the second (cross-correlation)."""
     return np.asarray(fftconvolve(planes[0], planes[1][::-1, ::-1]).round(3))

@@ -1,6 +1,7 @@
-"""Stairs of a plan picture: treads are drawn as a ladder of lines, flights lie where they are.
+"""Stairs of a plan picture: treads are drawn as a ladder of lines, which gives a flight its place.
 
-The network hardly sees stairs in real drawings; lines of one length at even distances tell them.
+The network hardly sees stairs in real drawings, so they are found as parallel lines of one length
+at even distances.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ class Treads:
 class TracedFlight:
     """A straight flight between two storeys, in pixels of the frame moved onto the ground floor."""
 
-    storey: int  #: place of the lower one
+    storey: int  #: index of the lower storey, from the lowest
     start: tuple[float, float]  #: middle of its foot
     end: tuple[float, float]  #: middle of its head
     width: float
@@ -48,7 +49,7 @@ class TracedFlight:
 def find_treads(image: np.ndarray, ppm: float) -> list[Treads]:
     """Return the ladders of treads in a straight picture (h, w, 3) uint8 without text.
 
-    `ppm` are its pixels a metre, roughly.
+    `ppm` is roughly its number of pixels a metre.
     """
     ink = ink_of(image)
     found = []
@@ -65,14 +66,14 @@ def find_treads(image: np.ndarray, ppm: float) -> list[Treads]:
 
 
 def _crossed(one: Treads, other: Treads) -> bool:
-    """Return whether half of one lies in the lines of another that go across: tiles."""
+    """Return whether lines at right angles, `other`, cover half of `one`: both are tiles."""
     mine, theirs = box(*one.box), box(*other.box)
     crosses = one.upright != other.upright
     return crosses and mine.intersection(theirs).area > 0.5 * mine.area
 
 
 def _lines_across(ink: np.ndarray, ppm: float) -> np.ndarray:
-    """Return thin lines along x as long as a tread, (n, 3): first and last x, y; from the top."""
+    """Return thin lines along x as long as a tread, (n, 3): first x, last x, y; sorted by y."""
     side = 2 * max(2, round(SETTINGS.tread_line * ppm)) + 1
     thin = ink - cv2.morphologyEx(ink, cv2.MORPH_OPEN, np.ones((side, 1), np.uint8))
     low, high = (length * ppm for length in SETTINGS.tread_length)
@@ -86,7 +87,7 @@ def _lines_across(ink: np.ndarray, ppm: float) -> np.ndarray:
 
 
 def _ladders(lines: np.ndarray, ppm: float) -> Iterator[np.ndarray]:
-    """Yield lines (k, 3) that follow each other evenly, one before another."""
+    """Yield groups of lines (k, 3) that follow one another at even distances along y."""
     free = np.ones(len(lines), bool)
     least, most = (depth * ppm for depth in SETTINGS.tread_depth)
     for first in range(len(lines)):
@@ -128,8 +129,8 @@ def flights_of(
 ) -> list[TracedFlight]:
     """Return a flight from each storey to the next, where treads are drawn on one or both.
 
-    Its way up is that on which one walks on and off: on the lower storey before its foot, on the
-    higher one behind its head. `metres` are of a pixel.
+    Of the two ways up, it takes the one with more free floor: on the lower storey before its foot,
+    on the higher storey behind its head. `metres` is the size of a pixel.
     """
     flights = []
     for place, pair in enumerate(pairwise(storeys)):
@@ -168,7 +169,7 @@ def _room_at(point: np.ndarray, floors: Sequence[Polygon]) -> Polygon | None:
 
 
 def _meet(one: Treads, other: Treads) -> bool:
-    """Return whether treads of two storeys lie on one another: they are of one flight."""
+    """Return whether treads of two storeys lie on one another, as parts of one flight."""
     along = int(one.upright)
     apart = np.abs(one.middle - other.middle)
     sizes = [np.subtract(item.box[2:], item.box[:2]) for item in (one, other)]
@@ -177,7 +178,7 @@ def _meet(one: Treads, other: Treads) -> bool:
 
 
 def _joined(one: Treads, other: Treads) -> Treads:
-    """Return the treads of a flight of which two storeys show a part each."""
+    """Return all treads of a flight: each of two storeys shows a part of them."""
     along = int(one.upright)
     low, high = np.minimum(one.box[:2], other.box[:2]), np.maximum(one.box[2:], other.box[2:])
     low[1 - along], high[1 - along] = one.box[1 - along], one.box[3 - along]
@@ -188,7 +189,10 @@ def _joined(one: Treads, other: Treads) -> Treads:
 def _ways_up(
     strip: Treads, place: int, floors: Sequence[Sequence[Polygon]], metres: float
 ) -> Iterator[tuple[float, TracedFlight]]:
-    """Yield both ways up a strip: how far one walks on and off it, at most 1 m each, the flight."""
+    """Yield (free floor, flight) for both ways up a strip of treads.
+
+    The free floor, in metres, is that before the foot plus that behind the head, at most 1 m each.
+    """
     along = int(strip.upright)
     size = np.subtract(strip.box[2:], strip.box[:2])
     off = (STAIRS.step_off + 0.05) / metres
@@ -198,7 +202,7 @@ def _ways_up(
             _clear(strip.middle, toward, floor) - size[along] / 2
             for toward, floor in ((-way, floors[0]), (way, floors[1]))
         ]
-        # Walls may be nearer than one steps on or off: the flight ends before.
+        # Where a wall is nearer than the step on or off needs, the flight is shortened.
         ends = [size[along] / 2 + min(0.0, clear - off) for clear in free]
         if sum(ends) * metres < STAIRS.least_flight:
             continue
@@ -213,7 +217,7 @@ def _ways_up(
 
 
 def _clear(start: np.ndarray, way: np.ndarray, floors: Sequence[Polygon]) -> float:
-    """Return how far one goes from a point in its room, pixels; as far as one likes without any."""
+    """Return the pixels from a point, along `way`, to its room's outline; 1e6 outside all rooms."""
     room = _room_at(start, floors)
     if room is None:
         return 1e6

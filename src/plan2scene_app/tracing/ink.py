@@ -1,6 +1,7 @@
-"""What the lines of a plan say where the network is wrong: gaps in solid walls, swings of doors.
+"""Correct the network's labels by the drawn lines: gaps in solid walls, and swings of doors.
 
-Agents draw walls solid and doors as a gap with a thin arc: a network sees wall or window there.
+Estate agents draw walls solid and doors as a gap with a thin arc, in which the network sees a wall
+or a window.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from plan2scene_app.tracing.settings import (
 
 
 def ink_of(image: np.ndarray) -> np.ndarray:
-    """Return how dark a picture (h, w, 3) uint8 is, 0 for paper to 1, (h, w) float32."""
+    """Return the darkness (h, w) float32 of (h, w, 3) uint8: 0 for paper, 1 for the darkest ink."""
     grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY).astype(np.float32)
     paper, dark = np.percentile(grey, [90, 0.5])
     return np.asarray(np.clip((paper - grey) / max(paper - dark, 1.0), 0, 1), np.float32)
@@ -42,9 +43,9 @@ def drawn_solid(structure: np.ndarray, image: np.ndarray, ppm: float) -> bool:
 
 
 def with_drawn_walls(structure: np.ndarray, image: np.ndarray, ppm: float) -> np.ndarray:
-    """Return the structure (h, w) uint8 with what goes on from its solid walls outside as walls.
+    """Return the structure (h, w) uint8 with its solid walls continued where it sees outside.
 
-    Of a large empty room, as a garage, the network may see neither floor nor walls.
+    The network may see neither floor nor walls of a large empty room, such as a garage.
     """
     solid, count = ndimage.label(solid_walls(ink_of(image), ppm), np.ones((3, 3)))
     walls = np.bincount(solid[structure == WALL], minlength=count + 1)
@@ -55,9 +56,9 @@ def with_drawn_walls(structure: np.ndarray, image: np.ndarray, ppm: float) -> np
 
 
 def without_standing_lines(structure: np.ndarray, image: np.ndarray, ppm: float) -> np.ndarray:
-    """Return the structure (h, w) uint8, walls drawn solid, with thin lines on a floor as floor.
+    """Return the structure (h, w) uint8 with thin lines that stand alone on a floor as floor.
 
-    The network takes the outline of a kitchen's island for walls.
+    The plan's walls must be solid. The network takes a kitchen island's outline for walls.
     """
     solid = solid_walls(ink_of(image), ppm)
     around, _ = ndimage.label(np.pad(structure == OUTSIDE, 1, constant_values=True))
@@ -71,9 +72,9 @@ def without_standing_lines(structure: np.ndarray, image: np.ndarray, ppm: float)
 def with_drawn_doors(structure: np.ndarray, image: np.ndarray, ppm: float) -> np.ndarray:
     """Return the structure (h, w) uint8 with gaps in solid walls, and swings, as doors.
 
-    Gaps between rooms with a faint line at most are passages where they are wider than a door, or
-    where most doors of a clean drawing have their swing. Left as it is where the walls are not
-    drawn solid.
+    A gap between rooms with at most a faint line in it is a passage if it is wider than a door, or
+    has no swing in a clean drawing whose other doors mostly have one. The structure stays as it is
+    if the walls are not drawn solid.
     """
     ink = ink_of(image)
     solid = solid_walls(ink, ppm)
@@ -93,7 +94,7 @@ def with_drawn_doors(structure: np.ndarray, image: np.ndarray, ppm: float) -> np
                 part[part != ROOM] = DOOR
                 part[solid[rows, columns]] = WALL
     for rows, columns, _, width in _gaps(np.isin(changed, (DOOR, WINDOW)), solid, ppm):
-        part = changed[rows, columns]  # from jamb to jamb it is one opening
+        part = changed[rows, columns]  # one opening from jamb to jamb
         share = (part == DOOR).sum() / np.isin(part, (DOOR, WINDOW)).sum()
         if share >= SETTINGS.half_door and width <= SETTINGS.double_door * ppm:
             part[part == WINDOW] = DOOR
@@ -104,11 +105,11 @@ def with_drawn_doors(structure: np.ndarray, image: np.ndarray, ppm: float) -> np
         for gap in _gaps(changed == DOOR, solid, ppm)
         if (swing := _swings(thin, gap)) is not None
     ]
-    shut = np.zeros_like(solid)  # a leaf may sweep up to the next door
+    shut = np.zeros_like(solid)  # the doors themselves: the sweep of another leaf keeps them
     for (rows, columns, _, _), _ in swinging:
         shut[rows, columns] = changed[rows, columns] == DOOR
     for _, (swept, beyond) in swinging:
-        # What goes on behind it is a wall, however thin.
+        # If something solid lies behind the open leaf, thin solid walls in the sweep stay, too.
         _sweep(changed, shut | (solid if solid[beyond].any() else thick), swept)
 
     def blank(gap: _Gap) -> bool:
@@ -131,19 +132,19 @@ def with_drawn_doors(structure: np.ndarray, image: np.ndarray, ppm: float) -> np
 
 
 def solid_walls(ink: np.ndarray, ppm: float) -> np.ndarray:
-    """Return what is drawn solid and as thick as a thin wall, (h, w) bool."""
+    """Return the mask (h, w) bool of solid ink that is at least as thick as the thinnest wall."""
     side = max(3, round(SETTINGS.thin_wall * ppm))
     dark = (ink > SETTINGS.solid_ink).astype(np.uint8)
     return np.asarray(cv2.morphologyEx(dark, cv2.MORPH_OPEN, np.ones((side, side), np.uint8)) > 0)
 
 
-_Gap = tuple[slice, slice, bool, int]
+_Gap = tuple[slice, slice, bool, int]  #: rows, columns, whether it runs along y, width
 #: Rows and columns.
 _Box = tuple[slice, slice]
 
 
 def _gaps(drawn: np.ndarray, solid: np.ndarray, ppm: float) -> Iterator[_Gap]:
-    """Yield the gaps in solid walls that parts of what is drawn (h, w) bool fill."""
+    """Yield the gaps in solid walls that a connected component of `drawn` (h, w) bool fills."""
     places, count = ndimage.label(drawn)
     for number, box in enumerate(ndimage.find_objects(places, count), start=1):
         gap = _gap(places, number, box, solid, ppm)
@@ -154,7 +155,7 @@ def _gaps(drawn: np.ndarray, solid: np.ndarray, ppm: float) -> Iterator[_Gap]:
 def _gap(
     places: np.ndarray, number: int, box: tuple[slice, slice], solid: np.ndarray, ppm: float
 ) -> _Gap | None:
-    """Return rows, columns, whether it runs along y, and width of a gap between solid ends."""
+    """Return the gap between two solid ends that component `number` fills, or None."""
     height, width = (s.stop - s.start for s in box)
     turned = height > width
     long, short = max(height, width), min(height, width)
@@ -180,7 +181,7 @@ def _gap(
 def _parted(
     structure: np.ndarray, doors: Sequence[_Gap], solid: np.ndarray, ppm: float
 ) -> np.ndarray:
-    """Return the structure with those doors that part two floors, both no mere wardrobe."""
+    """Return the structure with those of the doors that part two floors, both large enough."""
     closed = structure.copy()
     for rows, columns, _, _ in doors:
         closed[rows, columns][~solid[rows, columns]] = DOOR
@@ -196,14 +197,14 @@ def _parted(
 
 
 def _facing(solid: np.ndarray, ppm: float) -> Iterator[_Gap]:
-    """Yield the gaps from an end of a solid wall (h, w) bool to a wall as wide as doors may be."""
+    """Yield the gaps, as wide as doors may be, from an end of a solid wall to another wall."""
     least, most = (width * ppm for width in (SETTINGS.door_gap[0], SETTINGS.double_door))
     thinnest, thickest = SETTINGS.thin_wall * ppm, SETTINGS.ending_wall * ppm
     for turned in (False, True):
         plane = solid.T if turned else solid
         thick, long = _run_lengths(plane), _run_lengths(plane.T).T
         ending = (thick <= thickest) & (long >= 1.5 * thick)
-        found: list[list[int]] = []  # first and last + 1 along, the same across
+        found: list[list[int]] = []  # start and stop along the gap, start and stop across it
         for y, row in enumerate(plane):
             edges = np.flatnonzero(np.diff(row.astype(np.int8)))
             for low, high in zip(edges[:-1] + 1, edges[1:] + 1, strict=True):
@@ -224,7 +225,7 @@ def _facing(solid: np.ndarray, ppm: float) -> Iterator[_Gap]:
 
 
 def _run_lengths(plane: np.ndarray) -> np.ndarray:
-    """Return how many pixels on end in its column each pixel of a plane (h, w) bool is one of."""
+    """Return for each true pixel the length of its run in its column; 0 for the others."""
     above, below = np.zeros((2, *plane.shape), np.int32)
     for y in range(1, len(plane)):
         above[y] = np.where(plane[y - 1], above[y - 1] + 1, 0)
@@ -233,7 +234,7 @@ def _run_lengths(plane: np.ndarray) -> np.ndarray:
 
 
 def _beside(structure: np.ndarray, rows: slice, columns: slice, turned: bool) -> tuple[int, int]:
-    """Return the label, or number of a floor, that is most frequent on either side of a gap."""
+    """Return the most frequent label (or number of a floor) on each side of a gap."""
     plane = structure.T if turned else structure
     across, along = (columns, rows) if turned else (rows, columns)
     sides = []
@@ -243,22 +244,23 @@ def _beside(structure: np.ndarray, rows: slice, columns: slice, turned: bool) ->
     return sides[0], sides[1]
 
 
-#: Pixels from a line to the blank beside it.
+#: Pixels from an arc to the points beside it that should be blank.
 _CLEAR = 4
 
 
 def _sweep(structure: np.ndarray, walls: np.ndarray, swept: _Box) -> None:
-    """Make floor of what a leaf sweeps within a room: an open leaf is no wall, its arc no door."""
+    """Relabel what a leaf sweeps in a room as floor: an open leaf is no wall, its arc no door."""
     part = structure[swept]
     if (part == ROOM).mean() > 0.5:
         part[np.isin(part, (WALL, DOOR, PASSAGE)) & ~walls[swept]] = ROOM
 
 
 def _swings(thin: np.ndarray, gap: _Gap, *, leaves: bool = False) -> tuple[_Box, _Box] | None:
-    """Return what a leaf sweeps whose arc is drawn, and what is behind; None where none is.
+    """Find the drawn arc of a door in a gap: the boxes that its leaf sweeps and behind it, or None.
 
-    It swings from an end of the gap, as wide as that or half of it. With `leaves` an open leaf is
-    drawn, too. `thin` (h, w) is where lines are; the arc's centre may be in any depth of the wall.
+    The leaf turns about an end of the gap and is as wide as the gap or half of it. The arc's centre
+    may lie at either face or in the middle of the wall. With `leaves`, the open leaf must be drawn,
+    too. `thin` (h, w) bool is where lines are.
     """
     rows, columns, turned, width = gap
     plane = thin.T if turned else thin
@@ -288,9 +290,10 @@ def _swings(thin: np.ndarray, gap: _Gap, *, leaves: bool = False) -> tuple[_Box,
 
 
 def _boxes_of_swing(gap: _Gap, hinge: int, shut: float, opened: float) -> tuple[_Box, _Box]:
-    """Return what a leaf sweeps, as thick as the network sees it, and what is behind it when open.
+    """Return two boxes: what a leaf sweeps, and what lies behind the open leaf.
 
-    From its hinge along the gap the shut leaf reaches `shut` pixels, the open one `opened` across.
+    From its hinge the shut leaf reaches `shut` pixels along the gap, the open one `opened` pixels
+    across it (signed). The swept box is widened by the open leaf as thick as the network sees it.
     """
     rows, columns, turned, _ = gap
     across = columns if turned else rows
@@ -308,7 +311,7 @@ def _boxes_of_swing(gap: _Gap, hinge: int, shut: float, opened: float) -> tuple[
 
 
 def _leaf_drawn(plane: np.ndarray, hinge: tuple[int, int], ways: tuple[float, float]) -> bool:
-    """Return whether a line goes from a hinge (x, y) to its arc, half open or more."""
+    """Return whether a leaf is drawn from hinge (x, y) to arc, open by 40 to 100 degrees."""
     angles = np.radians(np.arange(40.0, 100.0, 2.0))
     along = np.linspace(0.3, 0.95, 20)[:, None]
     x = np.round(hinge[0] + ways[0] * along * np.cos(angles)).astype(int)
@@ -324,11 +327,11 @@ def with_whole_windows(
     ppm: float,
     garages: Collection[int] = (),
 ) -> list[TracedOpening]:
-    """Return openings with windows from where to where the lines across their wall are the same.
+    """Return openings with each window as long as the profile across its wall stays the same.
 
-    Of a long window the network sees the ends alone, and of two that are near each other one. The
-    same holds for doors to the outside of rooms that are `garages`. `image` (h, w, 3) uint8 has no
-    text; walls are `wall_px` thick.
+    The network sees only the ends of a long window, and joins two windows that are near each other.
+    Doors to the outside of rooms that are `garages` are treated alike. `image` (h, w, 3) uint8 has
+    no text; walls are `wall_px` thick.
     """
     ink = ink_of(image)
     long = [o for o in openings if o.kind == "window" or (o.room in garages and not o.other)]
@@ -341,9 +344,9 @@ def with_whole_windows(
 
 
 def _across(edge: Edge, plane: np.ndarray, wall_px: float) -> np.ndarray:
-    """Return what a plane (h, w) float32 has across a wall, (n, m): a row for a pixel of an edge.
+    """Sample a plane (h, w) float32 across a wall, (n, m): one profile for each pixel of its edge.
 
-    It goes from `wall_px` on one side of the edge to as much on the other.
+    A profile goes from `wall_px` on one side of the edge to `wall_px` on the other.
     """
     steps = np.arange(0.5, edge.length)
     half = np.arange(-round(wall_px), round(wall_px) + 1)
@@ -360,9 +363,10 @@ def _whole_windows(
     wall_px: float,
     ppm: float,
 ) -> list[TracedOpening]:
-    """Return the windows that one is, on its edge of a room; as it is where lines differ much.
+    """Return the windows on a room's edge that one seen window stands for.
 
-    They end before `others`, ends (2, 2) of openings that are no windows.
+    They end before `others`, the ends (2, 2) of openings that are no windows. The window stays as
+    it is if the profiles along it differ much.
     """
     drawn = _across(edge, ink, wall_px)
     steps = np.arange(0.5, edge.length)
@@ -403,10 +407,10 @@ def with_sliding_doors(
     ppm: float,
     open_air: Set[int],
 ) -> list[TracedOpening]:
-    """Return openings with gaps to the outside that are part panes, part blank as one door each.
+    """Return openings with each gap to the outside that is part panes, part blank as one door.
 
-    Its panes slide: they are drawn beside what stands open. `open_air` are the numbers of terraces,
-    balconies and yards. `image` (h, w, 3) uint8 has no text; walls are `wall_px` thick.
+    It is a sliding door: its panes are drawn beside the open part. `open_air` are the numbers of
+    terraces, balconies and yards. `image` (h, w, 3) uint8 has no text; walls are `wall_px` thick.
     """
     ink = ink_of(image)
     paper = np.median(image.reshape(-1, 3), axis=0)
@@ -436,23 +440,23 @@ def with_sliding_doors(
 
 
 def _span(opening: TracedOpening, edge: Edge) -> tuple[float, float]:
-    """Return where along an edge an opening begins and ends."""
+    """Return the start and the end of an opening along an edge, pixels."""
     first, last = sorted(edge.place(np.array([opening.start, opening.end]))[0].tolist())
     return first, last
 
 
 def _leads_out(opening: TracedOpening, open_air: Set[int]) -> bool:
-    """Return whether an opening leads out of doors, or to a room in the `open_air`."""
+    """Return whether an opening leads to the outside, or to or from a room in the `open_air`."""
     return not opening.other or bool(open_air & {opening.room, opening.other})
 
 
 def _sliding(
     ink: np.ndarray, marks: np.ndarray, middle: int, ppm: float
 ) -> tuple[float, float] | None:
-    """Return the ends, along an edge, of the gap around `middle` whose panes slide; None of others.
+    """Return the ends, along an edge, of the gap of a sliding door around `middle`, or None.
 
-    `ink`, and `marks` of any colour, are as of :func:`_across`. The gap goes from wall to wall:
-    panes are thinner.
+    `ink` and `marks` (ink of any colour) are profiles of :func:`_across`. The gap reaches from wall
+    to wall: where the drawn line is as thick as the edge's walls, it ends.
     """
     if not len(ink):
         return None
@@ -471,11 +475,11 @@ def _sliding(
     panes = ink[low:high][~blank]
     step = max(1, round(SETTINGS.dash * ppm))
     runs = np.abs(panes[step:] - panes[:-step]).max(axis=1) <= SETTINGS.alike_lines
-    return (float(low), float(high)) if runs.mean() >= 0.5 else None  # a bay's lines are slanted
+    return (float(low), float(high)) if runs.mean() >= 0.5 else None  # lines of a bay are slanted
 
 
 def _longest_run(line: np.ndarray) -> int:
-    """Return the length of the longest run of a line (n,) bool."""
+    """Return the length of the longest run of true values in a line (n,) bool."""
     edges = np.flatnonzero(np.diff(np.r_[0, line.astype(np.int8), 0]))
     return int((edges[1::2] - edges[::2]).max(initial=0))
 
@@ -488,7 +492,7 @@ def _lies_on(opening: TracedOpening, edge: Edge, off: float) -> bool:
 def with_swings(
     openings: Sequence[TracedOpening], image: np.ndarray, wall_px: float
 ) -> list[TracedOpening]:
-    """Return openings with the doors from which an arc swings as sure ones.
+    """Return openings, with a high confidence for each door whose arc is drawn.
 
     `image` (h, w, 3) uint8 has no text; walls are `wall_px` thick.
     """
@@ -507,9 +511,9 @@ def with_swung_windows(
     wall_px: float,
     upstairs: Collection[int] = (),
 ) -> list[TracedOpening]:
-    """Return openings with the windows from which an arc swings as doors.
+    """Return openings with each window whose arc and open leaf are drawn as a door.
 
-    Not those of rooms `upstairs` that no room is behind. `image` and `wall_px` as above.
+    Outer windows of rooms `upstairs` stay windows. `image` and `wall_px` are as above.
     """
     thin = ndimage.binary_dilation(ink_of(image) > SETTINGS.ink, np.ones((3, 3)))
     kept = []
@@ -524,14 +528,14 @@ def with_swung_windows(
 def _is_swung(
     opening: TracedOpening, thin: np.ndarray, wall_px: float, *, leaves: bool = False
 ) -> bool:
-    """Return whether an arc swings from an opening about along x or y, as of :func:`_swings`."""
+    """Return whether an opening that runs roughly along x or y has an arc (:func:`_swings`)."""
     half = max(2, round(wall_px / 2))
     (x0, x1), (y0, y1) = (sorted(ends) for ends in zip(opening.start, opening.end, strict=True))
     turned = y1 - y0 > x1 - x0
     low, high, middle = (y0, y1, (x0 + x1) / 2) if turned else (x0, x1, (y0 + y1) / 2)
     across = slice(max(0, round(middle) - half), round(middle) + half + 1)
     gaps = []
-    for before, after in product((-3, 0, 3), repeat=2):  # its ends are known so well
+    for before, after in product((-3, 0, 3), repeat=2):  # its ends are this uncertain
         along = slice(max(0, round(low) + before), round(high) + after)
         rows, columns = (along, across) if turned else (across, along)
         gaps.append((rows, columns, turned, along.stop - along.start))
@@ -540,6 +544,6 @@ def _is_swung(
 
 
 def _drawn(plane: np.ndarray, x: np.ndarray, y: np.ndarray) -> float:
-    """Return the share of points inside a picture (h, w) bool at which something is drawn."""
+    """Return the share of points with something drawn in (h, w) bool; 0 if any lies outside it."""
     inside = (y >= 0) & (y < plane.shape[0]) & (x >= 0) & (x < plane.shape[1])
     return float(plane[y, x].mean()) if inside.all() else 0.0

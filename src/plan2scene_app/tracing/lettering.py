@@ -1,4 +1,4 @@
-"""What is written on a plan, read offline by RapidOCR (extra ``trace``; models in its wheel)."""
+"""Read the text on a plan offline with RapidOCR (extra ``trace``; its wheel holds the models)."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from scipy import ndimage
 
 from plan2scene_app.tracing.settings import SETTINGS
 
-#: The reader enlarges pictures with a shorter side than this, pixels.
+#: The reader enlarges pictures whose shorter side is below this, pixels.
 _READER_SIDE = 736
 
 
 @dataclass(frozen=True)
 class TextLine:
-    """A line of text at `middle` (pixels x, y); `upright` is read upwards or downwards."""
+    """A line of text around `middle` (pixels x, y); an `upright` one is read up- or downwards."""
 
     text: str
     middle: tuple[float, float]
@@ -28,7 +28,7 @@ class TextLine:
 
     @property
     def upright(self) -> bool:
-        """Whether it is higher than wide."""
+        """Whether it is clearly higher than wide."""
         return self.size[1] > 1.3 * self.size[0]
 
 
@@ -64,7 +64,7 @@ def read_lines(image: np.ndarray) -> list[TextLine]:
 
 
 def _holds(one: TextLine, other: TextLine) -> bool:
-    """Return whether a line's box holds the middle of another."""
+    """Return whether the box of one line contains the middle of the other."""
     apart = np.abs(np.subtract(one.middle, other.middle))
     return bool((apart < np.array(one.size) / 2).all())
 
@@ -78,9 +78,10 @@ def _misread(line: TextLine) -> bool:
 
 
 def _read_whole(image: np.ndarray) -> list[TextLine]:
-    """Return all lines of a picture; one of which most lines stand upright is read lying, too.
+    """Return all lines of a picture; if most of them are upright, it is also read turned.
 
-    Of short names the reader can't tell which way up they are; all of a drawing stand one way.
+    The reader can't tell which way up a short name is, but all names of a drawing stand one way:
+    the turn with the most letters, weighted by their score, is taken.
     """
     found = _read(image)
     words = [line for line in found if len(line.text) > 1]
@@ -105,7 +106,7 @@ def _read_whole(image: np.ndarray) -> list[TextLine]:
 def _read(image: np.ndarray, *, one_way: bool = False) -> list[TextLine]:
     """Return all that the reader takes for lines of text in a picture (h, w, 3) uint8 sRGB.
 
-    Each line may stand on its head unless all are known to stand `one_way` up.
+    Unless `one_way`, the reader also tests whether a line stands on its head.
     """
     result = _asked(image, use_det=True, use_cls=not one_way)
     if result.boxes is None or result.txts is None:
@@ -122,7 +123,7 @@ def _read(image: np.ndarray, *, one_way: bool = False) -> list[TextLine]:
 
 
 def _as_it_stands(image: np.ndarray, line: TextLine) -> TextLine:
-    """Return a short lying line read without turning it over: OH upside down is HO."""
+    """Return a short level line read again without a test for upside down: OH would become HO."""
     if line.upright or len(line.text) > SETTINGS.reread[0]:
         return line
     half = np.array(line.size) / 2 + 0.2 * min(line.size)
@@ -136,14 +137,14 @@ def _as_it_stands(image: np.ndarray, line: TextLine) -> TextLine:
 
 
 def _asked(image: np.ndarray, **ways: bool) -> Any:
-    """Return what the reader says; it keeps what it was told last, so it is told all."""
+    """Return the reader's result; it keeps options of the last call, so all are given each time."""
     return _reader()(np.ascontiguousarray(image[..., ::-1]), text_score=0.0, use_rec=True, **ways)
 
 
 def _read_turned(image: np.ndarray, lines: Sequence[TextLine]) -> list[TextLine]:
-    """Return upright lines read once more: turned, twice as large, below each other.
+    """Read upright lines once more: turned level, twice as large, on one sheet below each other.
 
-    Upright lines that stand close are taken for one; lying ones are not.
+    The reader joins upright lines that stand close together, but not level ones.
     """
     parts, corners = [], []
     for line in lines:
@@ -171,9 +172,9 @@ def _read_turned(image: np.ndarray, lines: Sequence[TextLine]) -> list[TextLine]
 
 
 def without_text(image: np.ndarray, lines: Sequence[TextLine]) -> np.ndarray:
-    """Return a picture (h, w, 3) uint8 whose letters are paper; lines that cross a text stay.
+    """Return a picture (h, w, 3) uint8 with its letters painted over; lines across a text stay.
 
-    Letters are ink of which nothing leaves the text's box.
+    Letters are connected components of ink that do not leave the text's box.
     """
     image = image.copy()
     height, width = image.shape[:2]
@@ -194,13 +195,13 @@ def without_text(image: np.ndarray, lines: Sequence[TextLine]) -> np.ndarray:
 
 @cache
 def _reader() -> Any:
-    """Return the reader; its models lie in its package, nothing is fetched."""
+    """Return the reader; its models are part of its package, nothing is downloaded."""
     from rapidocr import RapidOCR
 
     return RapidOCR(
         params={
             "Global.log_level": "critical",
             "EngineConfig.onnxruntime.intra_op_num_threads": 1,
-            "Det.use_dilation": False,  # lines that stand close stay apart
+            "Det.use_dilation": False,  # close lines stay separate
         }
     )

@@ -1,7 +1,7 @@
-"""What names tell of lines that the network takes for the border of rooms, or not.
+"""Use the written room names to correct rooms: add areas with a name, join counters without one.
 
-Balconies, decks and garages are drawn by thin or dashed lines; the middle of a hall has no wall in
-the network's sight. Counters of a kitchen are thin lines where walls are drawn solid.
+Balconies, decks and garages have thin or dashed lines as borders, and the network may miss the
+middle of a hall. In plans with solid walls, thin lines around counters part them from kitchens.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ from scipy import ndimage
 from plan2scene_app.tracing.ink import ink_of, solid_walls
 from plan2scene_app.tracing.settings import DOOR, OUTSIDE, PASSAGE, ROOM, SETTINGS, WALL
 
-#: Times two pixels: the thickest line that is crossed.
+#: Half the thickness of the thickest line that is crossed, pixels.
 _LINE_PX = 5
 
 
 def with_named_areas(
     structure: np.ndarray, image: np.ndarray, names: Sequence[tuple[float, float]], ppm: float
 ) -> np.ndarray:
-    """Return the structure (h, w) uint8 with closed areas around names (x, y) as rooms.
+    """Return the structure (h, w) uint8 with each closed area around a name (x, y) as a room.
 
-    What lies around other rooms is the ground that they stand on, no room.
+    An area that encloses other rooms is the ground around the home, and no room.
     """
     side = 2 * round(SETTINGS.dash * ppm / 2) + 1
     ink = (ink_of(image) > SETTINGS.ink).astype(np.uint8)
@@ -48,7 +48,7 @@ def with_named_areas(
             continue
         changed[own] = ROOM
         beside = _wide(own) & ~own & (structure == OUTSIDE)
-        # A line between two parts of a floor that the network saw in parts is furniture.
+        # A line between this area and floor that the network saw already is furniture, no wall.
         changed[beside] = np.where(_wide(structure == ROOM)[beside], ROOM, WALL)
     return changed
 
@@ -62,8 +62,8 @@ def without_counters(
 ) -> np.ndarray:
     """Return the structure (h, w) uint8 with counters as part of their kitchen.
 
-    They have no name and thin lines before them; walls of the plan are drawn solid. `kitchens` are
-    the places (x, y) of their names, `names` of all rooms.
+    A counter has no name, and thin lines part it from the kitchen; the plan's walls are drawn
+    solid. `names` are the places (x, y) of all room names, `kitchens` those of kitchens.
     """
     walls = _wide(solid_walls(ink_of(image), 2 * ppm))
     lines = np.isin(structure, (WALL, DOOR, PASSAGE)) & ~walls
@@ -93,7 +93,7 @@ def _at(floors: np.ndarray, places: Sequence[tuple[float, float]]) -> set[int]:
 
 
 def _across(floor: np.ndarray, lines: np.ndarray) -> np.ndarray:
-    """Return a floor (h, w) bool with the lines along it and what lies right behind them."""
+    """Return a floor (h, w) bool grown over the lines along it to what lies right behind them."""
     reached = floor
     for _ in range(_LINE_PX):
         reached = floor | (_wide(reached) & lines)
@@ -101,5 +101,5 @@ def _across(floor: np.ndarray, lines: np.ndarray) -> np.ndarray:
 
 
 def _wide(mask: np.ndarray) -> np.ndarray:
-    """Return a mask (h, w) bool with the two pixels around it."""
+    """Return a mask (h, w) bool dilated by two pixels."""
     return np.asarray(cv2.dilate(mask.astype(np.uint8), np.ones((5, 5), np.uint8)) > 0)

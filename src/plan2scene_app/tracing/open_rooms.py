@@ -1,7 +1,7 @@
-"""Open rooms with a name each are rooms of their own that meet without a wall.
+"""Divide open floors that hold several names: rooms that meet without a wall.
 
-A straight line divides them: where a printed size ends, where a thin line is drawn, or from a
-corner across a neck.
+A straight line divides two of them: where a printed size ends, where a thin line is drawn, or from
+a corner across a neck.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from plan2scene_app.tracing.settings import OPENINGS, SETTINGS
 
 @dataclass(frozen=True)
 class _Named:
-    """A name at (x, y) pixels, its first room type, and the sides in metres printed beside it."""
+    """A name at `place` (x, y) pixels: its first room type, and the sides in metres beside it."""
 
     place: tuple[float, float]
     type: str
@@ -38,9 +38,9 @@ def with_open_rooms(
     lines: Sequence[TextLine],
     metres: float,
 ) -> Regions:
-    """Return the regions with rooms that have several names divided; `metres` are of a pixel."""
+    """Return the regions, rooms with several names divided; `metres` is the size of a pixel."""
     ink = ink_of(image) > SETTINGS.faint
-    # A line that ends in a door or window would halve it.
+    # A dividing line must not end in a door or window, as it would halve it.
     drawn = np.isin(regions.structure, list(OPENINGS))
     opened = ndimage.binary_dilation(drawn, iterations=1 + round(regions.wall_px))
     feet = sides_in_feet(line.text for line in lines)
@@ -68,7 +68,7 @@ def with_open_rooms(
 
 
 def _named(lines: Sequence[TextLine], *, feet: bool) -> Iterator[_Named]:
-    """Yield the names of rooms; what stands on wardrobes names none."""
+    """Yield the names of rooms, without those of wardrobes."""
     sizes = [(line, pairs[0]) for line in lines if (pairs := read_room_sides(line.text, feet=feet))]
     for line in lines:
         types = room_types(line.text)
@@ -98,9 +98,9 @@ def _divided(
     metres: float,
     ppm: float,
 ) -> np.ndarray | None:
-    """Return the part (h, w) bool of a floor that is the other name's; None for no clear line.
+    """Return the part (h, w) bool of a floor for the `other` name; None without a clear line.
 
-    `seen` is where something is drawn, and where doors and windows are or nearly (h, w) bool.
+    `seen` are two masks (h, w) bool: where something is drawn, and doors and windows, dilated.
     """
     best: tuple[float, np.ndarray] | None = None
     for axis in (0, 1):
@@ -131,7 +131,7 @@ def _divided(
 def _cuts(
     floor: np.ndarray, low: _Named, high: _Named, axis: int, metres: float, ppm: float
 ) -> Iterator[tuple[int, float]]:
-    """Yield columns of a floor between two names, and how well printed sizes speak for each."""
+    """Yield the columns of a floor between two names, with the score of printed sizes for each."""
     first, last = round(low.place[axis]) + 3, round(high.place[axis]) - 3
     if last - first < SETTINGS.room_width * ppm:
         return
@@ -140,7 +140,7 @@ def _cuts(
         x, y = round(named.place[axis]), round(named.place[1 - axis])
         end = x + way * _run(floor[y, x::way])
         across = (_run(floor[y:, x]) + _run(floor[y::-1, x])) * metres
-        # Of two sides one lies across, from wall to wall; the other ends at the line.
+        # One printed side is the floor's width from wall to wall; the other ends at the line.
         pairs = zip(named.sides, named.sides[::-1], strict=True)
         beside = sorted(pairs, key=lambda pair: abs(pair[1] - across))
         told += [round(end - way * side / metres) for side, _ in beside[:1]]
@@ -153,14 +153,17 @@ def _cuts(
 
 
 def _run(values: np.ndarray) -> int:
-    """Return how many values are true before the first that is not."""
+    """Return the number of true values before the first false one."""
     return int(len(values) if values.all() else np.argmin(values))
 
 
 def _with_its_name(
     floor: np.ndarray, side: np.ndarray, axis: int, one: _Named, other: _Named
 ) -> np.ndarray:
-    """Return the side (h, w) bool of a floor that holds the other's name, with what it cuts off."""
+    """Return the part (h, w) bool of a floor with the `other` name.
+
+    `side` is that name's side of the line. Parts that the line cuts off from `one` are added.
+    """
     parts = []
     for mask, named in ((floor & ~side, one), (side, other)):
         places, _ = ndimage.label(mask)

@@ -24,7 +24,7 @@ class TracedOpening:
     room: int
     other: int  #: room behind it; 0: outside
     confidence: float  #: mean probability of its label
-    full: bool = False  #: it reaches the ceiling: no wall is drawn between the rooms
+    full: bool = False  #: whether it reaches the ceiling, as no wall is drawn between the rooms
 
     @property
     def width(self) -> float:
@@ -34,7 +34,7 @@ class TracedOpening:
 
 @dataclass(frozen=True)
 class Edge:
-    """An edge of a room's outline with its unit direction, pixels (x, y)."""
+    """An edge of a room's outline, pixels (x, y), with unit vectors along it and into the room."""
 
     room: int
     start: np.ndarray
@@ -43,12 +43,12 @@ class Edge:
     inwards: np.ndarray
 
     def place(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return how far along and how far off the edge points (n, 2) are."""
+        """Return the coordinates of points (n, 2): along the edge, and off it (inwards)."""
         apart = points - self.start
         return apart @ self.way, apart @ self.inwards
 
     def distance(self, point: np.ndarray) -> float:
-        """Return how far a point (2,) is from the edge."""
+        """Return the distance from a point (2,) to the edge."""
         (along,), (off,) = self.place(point[None])
         return float(np.hypot(off, max(-along, along - self.length, 0.0)))
 
@@ -56,7 +56,7 @@ class Edge:
 def find_openings(
     regions: Regions, polygons: dict[int, Polygon], probabilities: np.ndarray
 ) -> list[TracedOpening]:
-    """Return the openings of traced rooms; of one between two rooms the wall is either's."""
+    """Return the openings of traced rooms; one between two rooms lies on the edge of either."""
     edges = edges_of(polygons)
     openings: list[TracedOpening] = []
     for label, kind in OPENINGS.items():
@@ -75,10 +75,10 @@ def find_openings(
 
 
 def _apart(drawn: np.ndarray, thick: float) -> tuple[np.ndarray, int]:
-    """Return the parts (h, w) of what is drawn, numbered from 1, and how many.
+    """Return the connected components (h, w) of `drawn`, numbered from 1, and their count.
 
-    A part wider than `thick` pixels both ways is two doors that meet in a corner: what runs along
-    x is parted from what runs along y.
+    A component wider than `thick` pixels along x and y is two doors that meet in a corner: the
+    pixels in longer runs along x are parted from those in longer runs along y.
     """
     places, count = ndimage.label(drawn, np.ones((3, 3)))
     for number, box in enumerate(ndimage.find_objects(places, count), start=1):
@@ -96,7 +96,7 @@ def _apart(drawn: np.ndarray, thick: float) -> tuple[np.ndarray, int]:
 
 
 def _runs(drawn: np.ndarray) -> np.ndarray:
-    """Return for each pixel how long the run in its row is that it belongs to."""
+    """Return for each pixel the length of its run in its row."""
     lengths = np.zeros(drawn.shape, np.int32)
     for row, line in zip(lengths, drawn, strict=True):
         edges = np.flatnonzero(np.diff(np.r_[0, line.astype(np.int8), 0]))
@@ -135,7 +135,7 @@ def _on_edge(
     regions: Regions,
     polygons: dict[int, Polygon],
 ) -> TracedOpening | None:
-    """Return the opening that pixels make on the nearest edge that runs their way."""
+    """Return the opening that pixels form on the nearest edge of their direction, if any."""
     centre = points.mean(0)
     spread = np.cov((points - centre).T) + 1e-6 * np.eye(2)
     values, vectors = np.linalg.eigh(spread)
@@ -171,7 +171,7 @@ def _opening(
     polygons: dict[int, Polygon],
     regions: Regions,
 ) -> TracedOpening:
-    """Return the opening between two places of an edge."""
+    """Return the opening between two positions, `low` and `high`, along an edge."""
     start, end = edge.start + low * edge.way, edge.start + high * edge.way
     beyond = (start + end) / 2 - edge.inwards * max(2.0, 0.1 * regions.ppm)
     x, y = np.round(beyond).astype(int)
@@ -190,8 +190,9 @@ def _undrawn_passages(
 ) -> list[TracedOpening]:
     """Return passages where floor goes on from one room to the next without a wall.
 
-    There is none where a `known` door or window is: the wall around it is there, but too faint. A
-    known passage may be a part of one. The strip of a cupboard along a wall does not count.
+    Where a `known` door or window is, there is none: its wall exists, but is too faint. A known
+    passage may be a part of one. Floor narrower than `SETTINGS.open_beside` on either side, as of
+    a cupboard along a wall, does not count.
     """
     beside = SETTINGS.open_beside * regions.ppm
     drawn = [opening for opening in known if opening.kind != OPENINGS[PASSAGE]]
@@ -229,7 +230,7 @@ def _same(one: TracedOpening, other: TracedOpening) -> bool:
 
 
 def joined(openings: list[TracedOpening], ppm: float) -> list[TracedOpening]:
-    """Return openings with those of one kind in one line and hardly apart joined, largest first."""
+    """Return openings, largest first; those of one kind in one line and hardly apart are joined."""
     kept: list[TracedOpening] = []
     for opening in sorted(openings, key=lambda o: -o.width):
         for k, other in enumerate(kept):
@@ -243,7 +244,10 @@ def joined(openings: list[TracedOpening], ppm: float) -> list[TracedOpening]:
 
 
 def _union(one: TracedOpening, other: TracedOpening, gap: float) -> TracedOpening | None:
-    """Return both as one; None where they are apart or of different kinds on different places."""
+    """Return two openings as one, or None if they lie apart.
+
+    Of two different kinds, the first is kept if it covers more than half of the other.
+    """
     start, end = np.array(one.start), np.array(one.end)
     way = (end - start) / max(one.width, 1e-9)
     ends = [(np.array(p) - start) for p in (other.start, other.end)]

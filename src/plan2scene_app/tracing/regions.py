@@ -1,7 +1,7 @@
 """From labels of pixels to the room that each pixel belongs to.
 
-Passages that nothing marks are found first: a wall that ends in the middle of a floor goes on to an
-end that faces it, or to the wall across, where that parts two floors that are both large enough.
+Passages that no symbol marks are found first: a wall that ends in a floor is extended to the end of
+a wall that faces it, or to the wall across, if this parts two large enough floors.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from plan2scene_app.tracing.settings import DOOR, OUTSIDE, PASSAGE, ROOM, SETTIN
 class Regions:
     """Rooms as areas of a picture (h, w); `ppm` is the estimated pixels a metre."""
 
-    rooms: np.ndarray  #: (h, w) int32: 0 outside, else number of the room, up to middles of walls
-    floors: np.ndarray  #: (h, w) int32: the same, floor alone
+    rooms: np.ndarray  #: (h, w) int32: 0 outside, else the room's number, to the middle of walls
+    floors: np.ndarray  #: (h, w) int32: the same numbers, without the walls
     structure: np.ndarray  #: (h, w) uint8: outside, wall, door, window, passage, room
     count: int
     wall_px: float  #: thickness of inner walls in pixels
@@ -29,7 +29,7 @@ class Regions:
 
 
 def structure_of(probabilities: np.ndarray) -> np.ndarray:
-    """Return the structure (h, w) uint8 of probabilities (labels, h, w): rooms are one label."""
+    """Return the likeliest labels (h, w) uint8 of (labels, h, w); all kinds of room are one."""
     merged = np.concatenate([probabilities[:ROOM], probabilities[ROOM:].sum(0, keepdims=True)])
     return np.asarray(merged.argmax(0), np.uint8)
 
@@ -47,11 +47,11 @@ def find_regions(structure: np.ndarray, ppm: float) -> Regions:
 
 
 def without_pockets(structure: np.ndarray, ppm: float) -> np.ndarray:
-    """Return the structure with pockets of outside that are rooms relabelled as room.
+    """Return the structure with enclosed pockets of outside relabelled as room.
 
-    Of a large room the network may see a part alone, or nothing: then it has a door, or a window
-    that no room lies behind, and stands around nothing. A light well has windows of rooms. The
-    real outside is connected to the picture's border by paths wider than a neck.
+    The network may see only a part of a large room, or nothing: such a pocket must enclose no rooms
+    and have a door, or a window without a room behind it (those of a light well have one). The
+    real outside is connected to the picture's border by paths wider than `SETTINGS.neck`.
     """
     outside = np.pad(structure == OUTSIDE, 1, constant_values=True).astype(np.uint8)
     side = 2 * round(SETTINGS.neck * ppm / 2) + 1
@@ -78,7 +78,7 @@ def without_pockets(structure: np.ndarray, ppm: float) -> np.ndarray:
 
 
 def _leading(structure: np.ndarray, ppm: float) -> np.ndarray:
-    """Return where doors, passages and windows that no room lies behind are, (h, w) bool."""
+    """Return the mask (h, w) bool of doors, passages, and windows with no room beside them."""
     floors, count = ndimage.label(structure == ROOM)
     large = np.bincount(floors.ravel(), minlength=count + 1) >= SETTINGS.parted_floor * ppm**2
     large[0] = False
@@ -104,10 +104,11 @@ def _floors(mask: np.ndarray, ppm: float) -> np.ndarray:
 
 
 def _with_strips(floors: np.ndarray, mask: np.ndarray, wall_px: float, ppm: float) -> np.ndarray:
-    """Return floors (h, w) with what of a mask of room pixels is too narrow for one.
+    """Return floors (h, w) with the narrow strips of room pixels in `mask` added to them.
 
-    A counter or a cupboard belongs to the floor that it has a clearly thinner line towards than to
-    others, and than a wall of `wall_px`. What is no wider than a wall is the inside of one.
+    A strip (a counter, a cupboard) joins the floor from which the thinnest line parts it, if that
+    line is clearly thinner than those to other floors and than a wall, `wall_px`. Strips narrower
+    than `SETTINGS.strip` are the inside of walls and are left out.
     """
     strips, count = ndimage.label(mask & (floors == 0))
     away, nearest = ndimage.distance_transform_edt(floors == 0, return_indices=True)
@@ -130,12 +131,12 @@ def _with_strips(floors: np.ndarray, mask: np.ndarray, wall_px: float, ppm: floa
 
 
 def floor_count(structure: np.ndarray, ppm: float) -> int:
-    """Return how many floors of a room's size a structure (h, w) uint8 has."""
+    """Return how many floors of a structure (h, w) uint8 are large enough for a room."""
     return int(_floors(structure == ROOM, ppm).max())
 
 
 def _wall_thickness(structure: np.ndarray, floors: np.ndarray, ppm: float) -> float:
-    """Return the usual thickness in pixels of what parts two rooms."""
+    """Return the median thickness in pixels of the walls between two rooms."""
     thicknesses = []
     for axis in (0, 1):
         lines = floors if axis else floors.T
@@ -151,9 +152,9 @@ def _wall_thickness(structure: np.ndarray, floors: np.ndarray, ppm: float) -> fl
 
 
 def grown(floors: np.ndarray, wall_px: float, ppm: float) -> np.ndarray:
-    """Return rooms (h, w) int32 that meet in the middle of walls.
+    """Return rooms (h, w) int32: floors grown until they meet in the middle of walls.
 
-    Towards the outside they reach half of an inner wall beyond their floor.
+    Towards the outside they grow by half the thickness of an inner wall.
     """
     half = max(1, round(wall_px / 2))
     reach = round(SETTINGS.shared_wall * ppm / 2)
@@ -170,9 +171,9 @@ def grown(floors: np.ndarray, wall_px: float, ppm: float) -> np.ndarray:
 
 
 def closed_share(regions: Regions, number: int) -> float:
-    """Return how much of a floor's border has a wall, an opening or another floor behind it.
+    """Return the share of a floor's border with a wall, an opening or another floor behind it.
 
-    What the network takes for a room without walls around it (a path, a table, letters) has not.
+    It is low where the network takes something without walls (a path, a table, letters) for a room.
     """
     floor = (regions.floors == number).astype(np.uint8)
     rim = cv2.dilate(floor, np.ones((5, 5), np.uint8)) > floor
@@ -181,9 +182,9 @@ def closed_share(regions: Regions, number: int) -> float:
 
 
 def without_islands(regions: Regions) -> Regions:
-    """Return the regions with small ones that no opening leads to as part of the room around.
+    """Return the regions with each small room without an opening merged into the room around it.
 
-    Furniture drawn as heavily as walls looks like a room; cupboards that are rooms have doors.
+    Such a room is furniture that is drawn as heavily as walls; cupboards that are rooms have doors.
     """
     sizes = np.bincount(regions.floors.ravel(), minlength=regions.count + 1)
     reach = max(3, round(regions.wall_px) + 2)
@@ -209,7 +210,7 @@ def without_islands(regions: Regions) -> Regions:
 
 
 def without_open_rooms(regions: Regions) -> Regions:
-    """Return the regions without those that nothing closes."""
+    """Return the regions without those that are not closed by walls (:func:`closed_share`)."""
     numbers = np.arange(regions.count + 1)
     kept = np.array([n > 0 and closed_share(regions, int(n)) >= SETTINGS.closed for n in numbers])
     if kept[1:].all():
@@ -221,7 +222,7 @@ def without_open_rooms(regions: Regions) -> Regions:
 
 
 def labels_at(regions: Regions, points: np.ndarray) -> np.ndarray:
-    """Return the structure (...) uint8 at points (..., 2) of pixels x, y; beyond it the edge's."""
+    """Return the labels (...) uint8 at points (..., 2), pixels x, y, moved into the picture."""
     h, w = regions.structure.shape
     x, y = np.moveaxis(np.round(points).astype(int), -1, 0)
     return np.asarray(regions.structure[np.clip(y, 0, h - 1), np.clip(x, 0, w - 1)])
@@ -229,7 +230,7 @@ def labels_at(regions: Regions, points: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class _Gap:
-    """Floor between two ends: `rows` of the wall's thickness, `columns` of the gap."""
+    """Floor between two ends of walls: `rows` span the wall's thickness, `columns` the gap."""
 
     rows: tuple[int, int]
     columns: tuple[int, int]
@@ -242,7 +243,7 @@ class _Gap:
         return (along, across) if self.turned else (across, along)
 
     def sides(self, floors: np.ndarray) -> tuple[int, int]:
-        """Return the floors on both sides, 0 for none; `floors` (h, w) are numbered."""
+        """Return the most frequent number in `floors` (h, w) on each side, 0 for no floor."""
         plane = floors.T if self.turned else floors
         beside = []
         for row in (self.rows[0] - 1, self.rows[1]):
@@ -252,7 +253,7 @@ class _Gap:
 
 
 def with_passages(structure: np.ndarray, ppm: float) -> np.ndarray:
-    """Return the structure (h, w) uint8 with passages where floors go on between ends of walls."""
+    """Return the structure (h, w) uint8 with those gaps as passages that part two large floors."""
     gaps = [gap for turned in (False, True) for gap in _gaps(structure, ppm, turned=turned)]
     while gaps:
         opened = structure.copy()
@@ -274,12 +275,12 @@ def with_passages(structure: np.ndarray, ppm: float) -> np.ndarray:
 
 
 def _gaps(structure: np.ndarray, ppm: float, *, turned: bool) -> list[_Gap]:
-    """Return the gaps along the rows, or along the columns where `turned`."""
+    """Return the gaps in walls along the rows, or along the columns if `turned`."""
     plane = structure.T if turned else structure
     solid = ndimage.binary_closing((plane != ROOM) & (plane != OUTSIDE), np.ones((3, 3)))
     floors, _ = ndimage.label((plane == ROOM) & ~solid)
     thin = np.where(_standing(solid, ppm), 0, _thin(floors, solid, ppm))
-    marks = np.zeros(plane.shape, np.int8)  # of gaps: 0 none, else one
+    marks = np.zeros(plane.shape, np.int8)  # 1 in a gap
     for y, row in enumerate(solid):
         if row.any():
             _mark_row(marks[y], floors[y], row, thin[y], ppm)
@@ -294,7 +295,7 @@ def _gaps(structure: np.ndarray, ppm: float, *, turned: bool) -> list[_Gap]:
 
 
 def _standing(solid: np.ndarray, ppm: float) -> np.ndarray:
-    """Return what stands alone in a floor (h, w) bool: furniture, pillars, screens."""
+    """Return the mask (h, w) bool of what stands alone in a floor: furniture, pillars, screens."""
     places, count = ndimage.label(solid, np.ones((3, 3)))
     boxes = ndimage.find_objects(places, count)
     small = [max(s.stop - s.start for s in box) < SETTINGS.standing * ppm for box in boxes]
@@ -302,9 +303,9 @@ def _standing(solid: np.ndarray, ppm: float) -> np.ndarray:
 
 
 def _thin(floors: np.ndarray, solid: np.ndarray, ppm: float) -> np.ndarray:
-    """Return the floor (h, w; 0 for none) on both sides of walls that columns cross.
+    """Return for each pixel (h, w) of a thin wall the floor's number on both its sides, else 0.
 
-    A wall with one floor on both sides, no thicker than usual, is one that ends somewhere.
+    It is 0 where the sides, above and below, differ: a wall within one floor ends somewhere in it.
     """
     thin = np.zeros(solid.shape, np.int32)
     height = len(floors)
@@ -321,7 +322,7 @@ def _thin(floors: np.ndarray, solid: np.ndarray, ppm: float) -> np.ndarray:
 def _mark_row(
     marks: np.ndarray, floors: np.ndarray, solid: np.ndarray, thin: np.ndarray, ppm: float
 ) -> None:
-    """Mark the gaps of one row: all floor, from an end of a wall to an end or a wall."""
+    """Mark the gaps of one row: floor from the end of a wall to another end, or to a wall."""
     edges = np.flatnonzero(np.diff(np.r_[0, solid.astype(np.int8), 0]))
     starts, stops = edges[::2], edges[1::2]
     least = max(2, round(SETTINGS.free_end * ppm))
@@ -344,5 +345,5 @@ def _mark_row(
 
 
 def _run(values: np.ndarray) -> int:
-    """Return how many values are true before the first that is not."""
+    """Return the number of true values before the first false one."""
     return int(len(values) if values.all() else np.argmin(values))

@@ -1,8 +1,8 @@
 """The traced rooms: their polygons, names as written, types and ids.
 
-Every long straight piece of an area's outline gives a line; lines along the picture that nearly
-coincide are one. The lines cut the plane into cells, a cell belongs to the room that has most of
-it, and the cells of a room make its polygon: neighbours share their walls.
+Every long straight piece of a room's outline gives a line; nearly equal lines along the picture's
+axes are merged. The lines cut the plane into cells. A cell belongs to the room that covers most of
+it, and the cells of a room make its polygon, so that neighbours share their walls.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from plan2scene_app.tracing.settings import LABEL_OF_TYPE, ROOM, SETTINGS
 
 @dataclass(frozen=True)
 class _Piece:
-    """A straight piece of an outline in pixels; `points` (n, 2) are those of the outline on it."""
+    """A straight piece of an outline in pixels; `points` (n, 2) are the outline's points on it."""
 
     start: np.ndarray
     end: np.ndarray
@@ -52,9 +52,9 @@ class _Piece:
 
 
 def room_polygons(regions: Regions, numbers: Sequence[int] | None = None) -> dict[int, Polygon]:
-    """Return the polygon (pixels x, y) of each room's number; rooms that vanish are left out.
+    """Return the polygons (pixels x, y) by the room's number; rooms that get no cells are left out.
 
-    `numbers` are the rooms of one drawing, all by default.
+    `numbers` are the rooms of one drawing; all rooms by default.
     """
     numbers = range(1, regions.count + 1) if numbers is None else numbers
     boxes = ndimage.find_objects(regions.rooms, regions.count)
@@ -72,7 +72,7 @@ def room_polygons(regions: Regions, numbers: Sequence[int] | None = None) -> dic
 
 
 def _pieces(regions: Regions, number: int, box: tuple[slice, slice]) -> list[_Piece]:
-    """Return the straight pieces of the outlines of a room that lies in a box."""
+    """Return the straight pieces of a room's outlines; `box` is the room's rows and columns."""
     mask = np.pad(regions.rooms[box] == number, 1).astype(np.float32)
     tolerance = max(1.5, SETTINGS.tolerance * regions.ppm)
     pieces = []
@@ -92,7 +92,7 @@ def _pieces(regions: Regions, number: int, box: tuple[slice, slice]) -> list[_Pi
 
 
 def _coordinates(pieces: list[_Piece], across: int, shortest: float, least: float) -> list[float]:
-    """Return the positions of lines along one axis, at least `least` pixels apart."""
+    """Return the x (`across` 0) or y (1) of the pieces' lines, at least `least` pixels apart."""
     places = sorted(
         (float(np.median(p.points[:, across])), p.length) for p in pieces if p.length >= shortest
     )
@@ -112,7 +112,7 @@ def _mean(group: list[tuple[float, float]]) -> float:
 
 
 def _slanted_lines(pieces: list[_Piece], least: float) -> list[LineString]:
-    """Return one line for each slanted wall: both rooms beside it have a piece of it."""
+    """Return one line for each slanted wall, although both rooms beside it have a piece of it."""
     lines: list[LineString] = []
     for piece in sorted(pieces, key=lambda p: -p.length):
         way = (piece.end - piece.start) / piece.length
@@ -130,7 +130,7 @@ def _cells(
     ys: list[float],
     slanted: list[LineString],
 ) -> dict[int, Polygon]:
-    """Return the polygons that cells between the lines make."""
+    """Return each room's polygon, made of its cells between the lines."""
     grid = [LineString([(x, ys[0]), (x, ys[-1])]) for x in xs]
     grid += [LineString([(xs[0], y), (xs[-1], y)]) for y in ys]
     cells = list(shapely.get_parts(shapely.polygonize([shapely.union_all([*grid, *slanted])])))
@@ -146,7 +146,7 @@ def _cells(
         own = [cell for cell, winner in zip(cells, winners[1:], strict=True) if winner == number]
         shape = _largest(shapely.union_all(own, grid_size=1e-3) if own else Polygon())
         shape = without_spikes(shape.simplify(0.01), SETTINGS.spike * regions.ppm)
-        # What is mostly cells of another room is none of its own.
+        # A room much smaller than its floor has lost its cells to another room: leave it out.
         floor = float((regions.floors == number).sum())
         if isinstance(shape, Polygon) and shape.is_valid and shape.area > floor / 2:
             polygons[number] = shape
@@ -161,7 +161,7 @@ def _largest(shape: BaseGeometry) -> BaseGeometry:
 
 
 def without_spikes(shape: BaseGeometry, width: float) -> BaseGeometry:
-    """Return a polygon (pixels) without parts narrower than a width; itself where it has none."""
+    """Return a polygon (pixels) without parts narrower than a width, or itself if it has none."""
     opened = shape.buffer(-width / 2, join_style="mitre").buffer(width / 2, join_style="mitre")
     opened = _largest(shapely.set_precision(opened, 1e-3)).simplify(0.01)
     return shape if shape.area - opened.area < 1.0 else opened
@@ -179,7 +179,7 @@ class TracedRoom:
     named: bool  #: whether the types come from the written name
     confidence: float  #: mean probability of room over its floor
     texts: tuple[TextLine, ...]
-    drawing: int = 1  #: of the picture that it lies in
+    drawing: int = 1  #: number of the drawing that it lies in
 
 
 def describe_rooms(
@@ -214,12 +214,12 @@ def with_types_by_marks(
     treads: Mapping[int, float],
     metres: float,
 ) -> list[TracedRoom]:
-    """Return rooms whose unnamed ones have types by size, ways and what is drawn in them.
+    """Return rooms, the unnamed ones with types by their size, doors and what is drawn in them.
 
-    Where a plan names its rooms, baths, halls, wardrobes and stairs are those without a name: one
-    that names a bedroom names all, and one that names no bath has it among the others. Left as they
-    are where less than half are named. `image` (h, w, 3) uint8 has no text; `treads` is the share
-    of each room's floor that treads take; `metres` are of a pixel.
+    A plan that names its rooms often leaves only baths, halls, wardrobes and stairs unnamed. A type
+    that the network saw is therefore kept only if no name on the plan gives it. Rooms stay as they
+    are if fewer than half have a name. `image` (h, w, 3) uint8 has no text; `treads` is the share
+    of each room's floor under treads; `metres` is the size of a pixel.
     """
     if 2 * sum(room.named for room in rooms) < len(rooms):
         return list(rooms)
@@ -242,7 +242,7 @@ def with_types_by_marks(
         swings = int((askew & inside).sum()) > SETTINGS.swing_share * marks
         ways = sum(o.kind != "window" and room.number in (o.room, o.other) for o in openings)
         area = float(floor.sum()) * metres**2
-        # Basins and tubs are as round as what doors sweep, so that only halls have many of these.
+        # Basins and tubs are as round as arcs: if no bath is named, only halls may have door arcs.
         swings = swings and ("Bathroom" in named or ways >= SETTINGS.ways_of_hall)
         kind = _type_by_marks(area, dense, ways, swings=swings)
         if treads[room.number] > SETTINGS.stairs:
@@ -253,12 +253,15 @@ def with_types_by_marks(
 
 
 def _told(room: TracedRoom, named: Collection[str]) -> bool:
-    """Return whether a name tells what a room is, or furniture of a kind that no name tells."""
+    """Return whether a room's type is settled: by its name, or by furniture if no name gives it."""
     return room.named or room.types[0] not in {"Unknown", "Corridor", "Closet", *named}
 
 
 def _type_by_marks(area: float, dense: float, ways: int, *, swings: bool) -> str:
-    """Return the type of an unnamed room of so many m2, empty for one that nothing tells."""
+    """Return the type of an unnamed room of `area` m2, or "" if nothing shows it.
+
+    `dense` is metres of edge a m2, `ways` counts doors and passages, `swings`: doors swing into it.
+    """
     low, high = SETTINGS.bath
     fixtures = dense > (SETTINGS.fixtures_by_swings if swings else SETTINGS.fixtures)
     if fixtures and ways and low < area < high:
@@ -272,10 +275,10 @@ def _type_by_marks(area: float, dense: float, ways: int, *, swings: bool) -> str
 def without_inner_windows(
     openings: Sequence[TracedOpening], rooms: Sequence[TracedRoom], widest: float
 ) -> list[TracedOpening]:
-    """Return openings with windows between two rooms indoors as what leads from one to the other.
+    """Return openings with each window between two indoor rooms as a door or a passage.
 
-    A gap with nothing drawn in it looks like a window. Up to `widest` pixels it is a door, else a
-    passage; neither is sure.
+    The network takes a gap with nothing drawn in it for a window. Up to `widest` pixels it becomes
+    a door, else a passage, with a confidence of at most 0.5.
     """
     indoors = {room.number for room in rooms if not OPEN_AIR.intersection(room.types)}
     kept = []
@@ -291,7 +294,7 @@ def without_inner_windows(
 def without_rails(
     openings: Sequence[TracedOpening], polygons: Mapping[int, Polygon], open_air: Set[int]
 ) -> list[TracedOpening]:
-    """Return openings without the rails of terraces and balconies, drawn as long windows are.
+    """Return openings without the rails of terraces and balconies, which look like long windows.
 
     `open_air` are the numbers of these rooms.
     """
@@ -309,7 +312,7 @@ def without_rails(
 def with_garage_doors(
     openings: Sequence[TracedOpening], garages: Collection[int], least: float
 ) -> list[TracedOpening]:
-    """Return openings with wide windows of `garages`, from `least` pixels on, as garage doors."""
+    """Return openings with wide windows (from `least` pixels on) of `garages` as garage doors."""
     return [
         replace(opening, kind="door")
         if opening.room in garages and not opening.other and opening.width >= least
@@ -321,10 +324,10 @@ def with_garage_doors(
 def with_terrace_doors(
     openings: Sequence[TracedOpening], open_air: Set[int], least: float
 ) -> list[TracedOpening]:
-    """Return openings with a wide window of a room to a terrace as the door between the two.
+    """Return openings, the widest window between a room and a terrace as the door between them.
 
-    Sliding doors are drawn as windows are. `open_air` are the numbers of terraces, balconies and
-    yards, `least` are pixels. A room that has a door or passage to the terrace has no second one.
+    Sliding doors are drawn like windows. `open_air` are the numbers of terraces, balconies and
+    yards, `least` is the least width in pixels. A room gets one door to a terrace at most.
     """
     ways = [{opening.room, opening.other} for opening in openings if opening.kind != "window"]
     doors: list[TracedOpening] = []
@@ -343,7 +346,7 @@ def with_terrace_doors(
 
 
 def _types_by_names(texts: Sequence[str]) -> tuple[str, ...]:
-    """Return the types that the lines in a room tell; what stands on its wardrobes tells none."""
+    """Return the types that the texts in a room give; labels of its wardrobes are ignored."""
     told = [types for text in texts if _is_name(text) and (types := room_types(text))]
     told = told or [types for text in texts if (types := room_types(text))]
     rooms = [types for types in told if types != ("Closet",) or not _lived_in(told)]
@@ -355,10 +358,10 @@ def _lived_in(told: Sequence[tuple[str, ...]]) -> bool:
 
 
 def _name_of(lines: Sequence[TextLine]) -> str:
-    """Return the name that lines in a room make: "Dining / Living" where two rooms are told.
+    """Return the name that the texts in a room make: "Dining / Living" where it names two rooms.
 
-    What stands on appliances and wardrobes is none of it; a word above or below a name is. What is
-    written twice counts once.
+    Texts on appliances and wardrobes are left out. A word right above or below a name is added to
+    it. A text that is written twice counts once.
     """
     once: dict[str, TextLine] = {}
     for line in lines:
@@ -380,7 +383,7 @@ def _name_of(lines: Sequence[TextLine]) -> str:
 
 
 def _stacked(one: TextLine, other: TextLine) -> bool:
-    """Return whether two lines of like letters stand on one another."""
+    """Return whether two lines of text of similar size stand one above the other."""
     across = 0 if one.upright else 1
     apart = np.abs(np.subtract(one.middle, other.middle))
     sizes = np.array([one.size, other.size])
@@ -390,14 +393,14 @@ def _stacked(one: TextLine, other: TextLine) -> bool:
 
 
 def _is_name(text: str) -> bool:
-    """Return whether a line holds a word and no measure."""
+    """Return whether a text has a word and is no measure."""
     if read_areas(text) or read_length(text) or read_sides(text):
         return False
     return bool(re.search(r"[^\W\d_]{2,}", text.replace(".", "")))
 
 
 def _types_by_furniture(inside: np.ndarray) -> tuple[str, ...]:
-    """Return the type of a room by its furniture, else Unknown."""
+    """Return a room's type by its furniture: `inside` (labels,) are its mean probabilities."""
     kinds = inside[ROOM:]
     best = int(kinds.argmax())
     if best == 0 or kinds[best] < SETTINGS.furniture_share * kinds.sum():

@@ -14,7 +14,7 @@ from plan2scene_app.tracing.settings import SETTINGS
 
 @dataclass(frozen=True)
 class Evidence:
-    """What one text says of the scale: logarithms of metres a pixel, one of which it means."""
+    """What one text says about the scale: candidate logarithms of metres a pixel; one is right."""
 
     text: str
     meanings: tuple[float, ...]
@@ -28,9 +28,9 @@ class Scale:
 
     metres_per_pixel: float
     confidence: float  #: 0 to 1
-    source: str  #: in words
-    agree: tuple[str, ...] = ()  #: texts that agree
-    differ: tuple[str, ...] = ()  #: measures in rooms that do not
+    source: str  #: where it comes from, in words
+    agree: tuple[str, ...] = ()  #: texts that agree with it
+    differ: tuple[str, ...] = ()  #: measures in rooms that do not agree
 
 
 @dataclass(frozen=True)
@@ -43,19 +43,22 @@ class RoomSize:
 
 
 def told_area(text: str, *, feet: bool = False) -> list[float]:
-    """Return the area in m2 that a text tells of its room, by itself or by two sides, if any."""
+    """Return the area in m2 that a text gives for its room, directly or by two sides, if any."""
     areas = [area for area, _ in read_areas(text)]
     return areas[:1] or [a * b for a, b in read_room_sides(text, feet=feet)[:1]]
 
 
 def read_room_sides(text: str, *, feet: bool) -> list[tuple[float, float]]:
-    """Return what a text may mean as two sides in metres; small numbers are feet or metres."""
+    """Return the pairs of sides in metres that a text may mean.
+
+    Small numbers may be metres or feet: they are read as feet if `feet`, else as metres.
+    """
     pairs = read_sides(text)
     return pairs[feet:][:1] if in_two_units(pairs) else pairs
 
 
 def room_evidence(room: RoomSize, *, feet: bool = False) -> list[Evidence]:
-    """Return what the texts in a room say: its area, its sides; small ones in `feet` or metres."""
+    """Return the evidence of a room's texts, areas and sides; small sides are `feet` or metres."""
     evidence = []
     for line in room.texts:
         for area, digit in read_areas(line.text)[:1]:
@@ -76,9 +79,9 @@ def room_evidence(room: RoomSize, *, feet: bool = False) -> list[Evidence]:
 def chain_evidence(
     line: TextLine, lines_x: Sequence[float], lines_y: Sequence[float]
 ) -> Evidence | None:
-    """Return what a single length says: it stands in the middle between two walls.
+    """Return the evidence of a single length, which stands in the middle between two walls.
 
-    `lines_x` and `lines_y` are the places of walls along x and y, in pixels.
+    `lines_x` and `lines_y` are the x and y of walls, in pixels.
     """
     lengths = read_length(line.text)
     if not lengths or read_areas(line.text):
@@ -103,10 +106,10 @@ def chain_evidence(
 def find_scale(
     evidence: Sequence[Evidence], door_widths: Sequence[float], floors: Sequence[float]
 ) -> Scale:
-    """Return the scale that most evidence agrees on.
+    """Return the scale on which most evidence agrees.
 
-    `door_widths` (pixels) and `floors` (pixels squared, one for each room) give a prior, and
-    the scale itself where nothing is written.
+    `door_widths` (pixels) and `floors` (pixels squared, one for each room) give a prior, and the
+    scale itself if nothing is written.
     """
     prior, spread, source = _prior(door_widths, floors)
     candidates = [m for e in evidence for m in e.meanings if abs(m - prior) < 3.5 * spread]
@@ -130,7 +133,7 @@ def find_scale(
 
 
 def _prior(door_widths: Sequence[float], floors: Sequence[float]) -> tuple[float, float, str]:
-    """Return logarithm, deviation and source of the scale by the sizes of doors and rooms."""
+    """Return the prior of the scale, from doors and rooms: its logarithm, deviation and source."""
     by_rooms = 0.5 * float(np.log(SETTINGS.floor[0] / np.mean(floors)))
     if not door_widths:
         return by_rooms, SETTINGS.floor[1], f"a guess: rooms of {SETTINGS.floor[0]:g} m2"
@@ -144,13 +147,13 @@ def _prior(door_widths: Sequence[float], floors: Sequence[float]) -> tuple[float
 
 
 def _nearest(evidence: Evidence, scale: float) -> float | None:
-    """Return the meaning that agrees best with a scale; None where none does."""
+    """Return the meaning that is nearest to a scale (a logarithm); None if none agrees with it."""
     meaning = min(evidence.meanings, key=lambda m: abs(m - scale))
     return meaning if abs(meaning - scale) < SETTINGS.agrees * evidence.deviation else None
 
 
 def _support(evidence: Sequence[Evidence], scale: float) -> float:
-    """Return how much evidence speaks for a scale."""
+    """Return the weighted sum of how well all evidence agrees with a scale (a logarithm)."""
     total = 0.0
     for item in evidence:
         off = min(abs(m - scale) for m in item.meanings) / item.deviation

@@ -1,4 +1,4 @@
-"""The plan network at work: a picture of a plan in, probabilities of labels out."""
+"""Run the plan network: a picture of a plan in, probabilities of labels out."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from plan2scene_app.tracing.settings import PLAN_LABELS
 
 
 class PlanSegmenter:
-    """Labels pictures of plans by a :class:`SegmentationNet` of `PLAN_LABELS`."""
+    """Labels pictures of plans with a :class:`SegmentationNet` for `PLAN_LABELS`."""
 
     def __init__(self, network: SegmentationNet) -> None:
         self.network = folded(network)
@@ -24,13 +24,13 @@ class PlanSegmenter:
 
     @torch.no_grad()
     def probabilities(self, image: np.ndarray, *, views: int = 1) -> np.ndarray:
-        """Return (labels, h, w) float32 of a picture (h, w, 3) uint8 at its own size.
+        """Return probabilities (labels, h, w) float32 of a picture (h, w, 3) uint8 at its own size.
 
-        A plan has no up: up to 8 `views` of it, turned by quarters and mirrored, are averaged.
+        A plan has no up: the mean of up to 8 `views`, turned by quarters and mirrored, is taken.
         """
         total = np.zeros((len(PLAN_LABELS), *image.shape[:2]), np.float32)
         for view in range(views):
-            # Views 0 and 1 are a turn by half and a mirror apart: two already differ much.
+            # View 1 is turned by half and mirrored, so that two views already differ much.
             turns, mirrored = (0, 2, 1, 3, 2, 0, 3, 1)[view], view % 2 == 1
             seen = np.rot90(image, turns)
             seen = seen[:, ::-1] if mirrored else seen
@@ -40,7 +40,7 @@ class PlanSegmenter:
         return total / views
 
     def _seen(self, image: np.ndarray) -> np.ndarray:
-        """Return the probabilities of one view, padded to the network's stride with paper."""
+        """Return the probabilities of one view, padded to the network's stride by its border."""
         h, w = image.shape[:2]
         right, below = -w % STRIDE, -h % STRIDE
         padded = cv2.copyMakeBorder(image, 0, below, 0, right, cv2.BORDER_REPLICATE)
@@ -50,7 +50,7 @@ class PlanSegmenter:
 
 
 def load_plan_segmenter(path: str | Path) -> PlanSegmenter:
-    """Return the segmenter of a weights file; InputError for one of another network."""
+    """Return the segmenter of a weights file; InputError if it holds another network."""
     state, architecture = load_model_file(path)
     name = "the plan network"
     with fitting(name, path):

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-#: In the order of the network's logits. Labels from `room` on are kinds of room, by furniture.
+#: In the order of the network's logits. The labels from `room` on are kinds of room: the network
+#: tells them apart by their furniture.
 PLAN_LABELS = (
     "outside",
     "wall",
@@ -25,7 +26,7 @@ OUTSIDE, WALL, DOOR, WINDOW, PASSAGE, ROOM = range(6)
 STAIRS = PLAN_LABELS.index("staircase")
 #: Kinds of opening, by label.
 OPENINGS = {DOOR: "door", WINDOW: "window", PASSAGE: "passage"}
-#: Label of each room type; labels above `ROOM` are read back as the first type that has them.
+#: Label of each room type. Back from label to type (labels above `ROOM`): the first entry counts.
 LABEL_OF_TYPE = {
     "Reception": 6,
     "Bedroom": 7,
@@ -48,159 +49,160 @@ MODEL = "plans"
 class TraceSettings:
     """The tuned numbers of tracing.
 
-    Sizes are metres and square metres as homes usually have them, set by hand; what they give
-    together is measured by ``benchmarks/trace.py`` (docs/measurements/trace.md). Those of the whole
-    picture were chosen on 49 plans, nine of them real, and 39 photos of rooms: no plan and all
-    photos are refused. "Logarithm" is the natural one.
+    Sizes are metres and square metres that are usual in homes, set by hand. ``benchmarks/trace.py``
+    measures the whole tracing with them (docs/measurements/trace.md). Those of the whole picture
+    were chosen on 49 plans, nine of them real, and 39 photos of rooms: with them no plan is
+    refused and every photo is. "Logarithm" is the natural one.
     """
 
     # The picture.
-    long_side_px: int = 2000  #: of the picture that is worked on
-    least_side_px: int = 120
-    contrast: int = 25  #: grey values that a page spans at least when something is drawn on it
-    dark_page: int = 128  #: median grey value below which lines may be light on dark paper, ...
-    light_lines: float = 1.5  #: ... if the lightest marks are so many times further from it
-    drawn_flat: float = 0.42  #: share of a drawing that is flat (`picture.flat_share`)
-    drawn_paper: float = 0.5  #: share of one colour from which a picture is no photo
-    page_side_px: int = 384  #: of the pictures in a photo folder that are looked at
-    page_paper: float = 0.65  #: share of one colour from which one of them is a drawing or a page
+    long_side_px: int = 2000  #: longest side; a larger picture is reduced to it
+    least_side_px: int = 120  #: shortest side; a smaller picture is refused
+    contrast: int = 25  #: least range of grey values; a page with less is empty
+    dark_page: int = 128  #: a page of a lower median grey value may be light lines on dark, ...
+    light_lines: float = 1.5  #: ... if its lightest grey is this times further off than the darkest
+    drawn_flat: float = 0.42  #: least flat share of such a page (`picture.flat_share`)
+    drawn_paper: float = 0.5  #: least share of its main colour that makes a picture a drawing
+    page_side_px: int = 384  #: side to which pictures of a photo folder are reduced for this test:
+    page_paper: float = 0.65  #: least share of its main colour that makes one a drawing or a page
     busy: float = 0.65  #: flat share below which a picture may be a photo
-    #: Least mean probability of the rooms in such a picture, with paper around them and without.
+    #: Least mean probability of the rooms in such a picture, if it has `drawn_paper`, and if not.
     least_sure: tuple[float, float] = (0.78, 0.86)
-    fills: float = 0.75  #: of the longer side, from which a drawing is looked at with its paper
+    fills: float = 0.75  #: share of the longer side: from it on, a drawing is not cut out
     # Drawings on one picture.
-    drawing_ink: float = 25.0  #: grey values from paper to what is drawn
-    drawing_gap: float = 0.012  #: of the longer side: blank paper between two drawings
-    drawing_size: float = 0.05  #: of the largest one's box; what is smaller is no drawing
-    most_drawings: int = 6  #: that are looked at
-    drawing_opening_px: int = 12  #: of the shortest door or window that tells of a home, ...
-    rooms_an_opening: float = 2.0  #: ... and for how many rooms one is enough
-    walls_meet: float = 2.0  #: weight of outer walls that meet, where floors have 1
-    stairs_meet: float = 8.0  #: weight of stairs that do
+    drawing_ink: float = 25.0  #: least difference in grey value between paper and ink
+    drawing_gap: float = 0.012  #: blank paper between two drawings, share of the longer side
+    drawing_size: float = 0.05  #: least area of a drawing's box, share of the largest one's
+    most_drawings: int = 6  #: largest number of drawings that are looked at
+    drawing_opening_px: int = 12  #: shorter doors and windows do not count for a home, ...
+    rooms_an_opening: float = 2.0  #: ... which has at most this many rooms for each one
+    walls_meet: float = 2.0  #: weight of outer walls that lie on one another; floors have 1
+    stairs_meet: float = 8.0  #: weight of stairs that lie on one another
     # Straight and at the network's size.
     ppm: float = 32.0  #: pixels a metre at which the network is best
-    largest_px: int = 1280  #: of a side that the network sees
+    largest_px: int = 1280  #: longest side of a picture for the network
     paper: float = 1.2  #: m of paper kept around a plan
     home_size: tuple[float, float] = (11.0, 0.4)  #: m of the longer side, spread of its logarithm
     least_turn: float = 0.25  #: degrees below which a plan is not turned
-    first_views: int = 2  #: of the whole picture (`segmenter.PlanSegmenter`)
-    views: int = 4  #: of the straight plan
+    first_views: int = 2  #: views of the whole picture (`segmenter.PlanSegmenter`)
+    views: int = 4  #: views of the straight plan
     # Passages that nothing marks.
     facing: tuple[float, float] = (0.6, 4.0)  #: m between two ends of walls
     across: tuple[float, float] = (0.6, 3.6)  #: m between an end and the wall across
-    facing_walled: float = 0.15  #: share of the line from wall to wall that walls follow
-    across_walled: float = 0.4
-    ending_wall: float = 0.5  #: m: a wall that ends is no thicker
-    free_end: float = 0.08  #: m that a wall's end is free on both sides
+    facing_walled: float = 0.15  #: least share of walls on the line along walls and gap (`facing`)
+    across_walled: float = 0.4  #: the same for `across`
+    ending_wall: float = 0.5  #: m: largest thickness of a wall that ends in a floor
+    free_end: float = 0.08  #: m: shortest piece of wall at its end with floor on both sides
     standing: float = 1.8  #: m: what joins no wall and is shorter is furniture
-    parted_floor: float = 3.0  #: m2 on both sides of such a passage
+    parted_floor: float = 3.0  #: m2: least floor on either side of such a passage
     # Solid walls and what is drawn in their gaps.
-    solid: float = 0.6  #: share of the wall's pixels from which walls are drawn solid
+    solid: float = 0.6  #: least share of solid pixels in the walls of a plan with solid walls
     solid_ink: float = 0.3  #: darkness of solid walls, grey ones too
     ink: float = 0.15  #: darkness of thin lines
     thin_wall: float = 0.06  #: m of the thinnest solid wall
     gap: tuple[float, float] = (0.45, 3.0)  #: m of a gap in a solid wall
-    door_gap: tuple[float, float] = (0.55, 1.3)  #: m of one between rooms that is a door
-    double_door: float = 2.0  #: m of the widest one whose leaves are drawn
-    half_door: float = 0.35  #: share of door in a gap with door and window: all of it is a door
-    unswung: float = 0.34  #: share of doors without a drawn swing below which they are passages
-    gap_faint: float = 0.8  #: share of a wider one in which no line is dark: a passage
-    arc_angles: tuple[float, float] = (15.0, 75.0)  #: degrees of an arc that are looked at
-    arc_radii: tuple[float, ...] = (0.8, 0.86, 0.92, 0.98, 1.04)  #: shares of the gap
-    arc_drawn: float = 0.85  #: share of an arc that is drawn
-    arc_beside: float = 0.5  #: share of what is beside it that may be drawn
-    slanted: float = 0.35  #: slope of an opening of which swings along an axis are looked for
+    door_gap: tuple[float, float] = (0.55, 1.3)  #: m of a gap between rooms that is a door
+    double_door: float = 2.0  #: m of the widest door with drawn leaves
+    half_door: float = 0.35  #: share of door in a gap of door and window that makes all of it door
+    unswung: float = 0.34  #: if fewer doors (a share) lack a drawn swing, these are passages
+    gap_faint: float = 0.8  #: share of a passage's gap in which no line is as dark as `solid_ink`
+    arc_angles: tuple[float, float] = (15.0, 75.0)  #: degrees: part of an arc that is looked at
+    arc_radii: tuple[float, ...] = (0.8, 0.86, 0.92, 0.98, 1.04)  #: shares of the leaf's width
+    arc_drawn: float = 0.85  #: least share of an arc that is drawn
+    arc_beside: float = 0.5  #: largest share of the points beside the arc that is drawn
+    slanted: float = 0.35  #: largest slope of an opening for which a swing is looked for
     swung: float = 0.8  #: confidence of a door whose swing is drawn
-    #: From a wall to the end of an open leaf, and to what is behind: shares of the leaf's width.
+    #: Bands across the wall, from its face, in leaf widths: an open leaf, and what is behind it.
     leaf_reach: tuple[float, float] = (0.03, 1.3)
     behind_leaf: tuple[float, float] = (1.4, 1.8)
-    leaf_seen: float = 0.35  #: share of its width that an open leaf is thick in the network's sight
+    leaf_seen: float = 0.35  #: thickness of an open leaf as the network sees it, in leaf widths
     dash: float = 0.15  #: m between dashes of a line
     # Walls that are thin lines.
-    thin_line: float = 0.45  #: m of the shortest
-    thin_seen: float = 0.3  #: share of a line that the network takes for wall at least
-    thin_gap: tuple[float, float] = (0.4, 2.0)  #: m of a gap in line, the scale a first guess
-    thin_wall_beside: float = 1.0  #: m of the longer of these two
-    thin_scales: tuple[float, ...] = (0.8, 0.9, 1.0, 1.2, 1.5)  #: tried, of the first guess
-    thin_rounds: int = 6  #: in which furniture is joined with its room
-    floors_a_name: float = 0.34  #: fewer floors than this for each name: thin walls are not seen
-    thin_names: int = 2  #: names more that such lines part
+    thin_line: float = 0.45  #: m of the shortest line
+    thin_seen: float = 0.3  #: least share of such a line that the network labels as wall
+    thin_gap: tuple[float, float] = (0.4, 2.0)  #: m of a gap between two lines, at the tried scale
+    thin_wall_beside: float = 1.0  #: m: least length of the longer of the two
+    thin_scales: tuple[float, ...] = (0.8, 0.9, 1.0, 1.2, 1.5)  #: scales tried, of the first guess
+    thin_rounds: int = 6  #: most rounds in which furniture is joined with its room
+    floors_a_name: float = 0.34  #: with fewer floors for each name, thin walls are looked for
+    thin_names: int = 2  #: such lines must part this many more named rooms, or have as many gaps
     # Rooms.
-    pocket: float = 0.15  #: share of the border of an enclosed area that is floor: a floor, too
+    pocket: float = 0.15  #: share of room in its border that makes an enclosed outside a room
     neck: float = 0.5  #: m: a narrower neck parts two rooms
-    strip: float = 0.3  #: m of the narrowest part of a room behind a line, a counter's or shelf's
-    strip_beside: float = 0.2  #: share of its border that a floor lies along to which it belongs
-    strip_thinner: float = 0.75  #: thickness of the line to it, of that to the next floor
+    strip: float = 0.3  #: m: least width of a strip behind a line (counter, shelf) kept as floor
+    strip_beside: float = 0.2  #: least share of the strip's border along a floor that it may join
+    strip_thinner: float = 0.75  #: the line to that floor is thinner than this times the next one
     room_floor: float = 0.6  #: m2 of the smallest room
     room_width: float = 0.5  #: m of the narrowest room
     shared_wall: float = 0.55  #: m: a gap up to this between rooms is a wall that both share
-    closed: float = 0.7  #: share of a room's border with a wall, an opening or a room behind it
-    island: float = 3.0  #: m2 up to which a room without an opening is part of another
-    counter: float = 0.35  #: of a kitchen's floor: its largest counter
-    counter_front: float = 0.3  #: share of its border that is open to the kitchen
-    furniture_share: float = 0.55  #: share of a room's pixels of one kind from which it is the type
+    closed: float = 0.7  #: least share of a room's border before a wall, opening or other room
+    island: float = 3.0  #: m2: a smaller room without an opening is part of the room around it
+    counter: float = 0.35  #: largest area of a kitchen's counter, share of the kitchen's floor
+    counter_front: float = 0.3  #: least share of the counter's border that faces the kitchen
+    furniture_share: float = 0.55  #: least share of one kind in a room that gives the room's type
     # Stairs; by usual sizes, looked at on two real plans of two storeys and six of one.
     tread_line: float = 0.06  #: m of the thickest line of a tread
     tread_length: tuple[float, float] = (0.55, 1.8)  #: m
     tread_depth: tuple[float, float] = (0.14, 0.42)  #: m from one to the next
-    tread_alike: float = 0.75  #: share of its length that a tread has in common with the next
-    least_treads: int = 5
+    tread_alike: float = 0.75  #: least share of its length that a tread shares with the next
+    least_treads: int = 5  #: fewest lines of a flight
     # Unnamed rooms of a plan with names; edges were looked at on two real plans.
-    mark_slope: float = 60.0  #: grey values of an edge (Sobel)
+    mark_slope: float = 60.0  #: least gradient of an edge, grey values (Sobel)
     askew: tuple[float, float] = (20.0, 70.0)  #: degrees from the axes, of arcs and slants
-    swing_share: float = 0.4  #: of the edges: above, doors swing there; baths are mostly straight
-    stairs: float = 0.2  #: share of a room that treads take from which it is a staircase
-    fixtures: float = 1.5  #: m of edge for a m2 from which lines are fixtures of a bath, ...
-    fixtures_by_swings: float = 6.0  #: ... where doors swing, too: three in a small room give 4
-    bath: tuple[float, float] = (1.0, 14.0)  #: m2; counters of kitchens have no door
+    swing_share: float = 0.4  #: with a larger share of `askew` edges, doors swing into the room
+    stairs: float = 0.2  #: a room with a larger share of treads is a staircase
+    fixtures: float = 1.5  #: m of edge a m2: a room with more has fixtures of a bath, ...
+    fixtures_by_swings: float = 6.0  #: ... if doors swing there: three in a small room give 4
+    bath: tuple[float, float] = (1.0, 14.0)  #: m2 of a bath; it has a door, a counter has none
     largest_closet: float = 3.0  #: m2
-    ways_of_hall: int = 3  #: doors and passages from which a room is one
+    ways_of_hall: int = 3  #: least number of doors and passages of a hall
     # Open rooms with several names.
     faint: float = 0.06  #: darkness of the faintest line that divides a floor
-    line_drawn: float = 0.7  #: share of a dividing line that is drawn
-    neck_parts: float = 0.35  #: share by which a dividing neck is narrower than both parts
-    size_beside: float = 4.0  #: heights of a name from it to its printed size
-    size_off: float = 0.4  #: m from where a printed size ends to the dividing line
+    line_drawn: float = 0.7  #: least share of a dividing line that is drawn
+    neck_parts: float = 0.35  #: a dividing neck is narrower than the wider part by this share of it
+    size_beside: float = 4.0  #: largest distance from a name to its printed size, in text heights
+    size_off: float = 0.4  #: m off the dividing line at which a printed size has no vote any more
     # Outlines.
-    tolerance: float = 0.13  #: m between pixels and the straight pieces of an outline
-    shortest: float = 0.3  #: m of a piece that gives a line
-    along_axis: float = 12.0  #: degrees up to which a piece runs along the picture
+    tolerance: float = 0.13  #: m: largest distance of pixels from an outline's straight pieces
+    shortest: float = 0.3  #: m of the shortest piece that gives a line
+    along_axis: float = 12.0  #: largest angle to the picture's axis, degrees, of a piece along it
     merged: float = 0.1  #: m within which lines are one
-    spike: float = 0.15  #: m: a narrower part of an outline is none
+    spike: float = 0.15  #: m: a narrower part of an outline is cut off
     # Openings.
-    opening: float = 0.4  #: m of the narrowest one that is looked for
-    joined: float = 0.2  #: m within which two on a wall are one
-    off_wall: float = 0.3  #: m from an outline to an opening's middle, beyond the wall's thickness
-    open_floor: float = 0.4  #: m of floor between two rooms that are a passage
+    opening: float = 0.4  #: m of the narrowest opening that is looked for
+    joined: float = 0.2  #: m: two openings on a wall that are nearer are one
+    off_wall: float = 0.3  #: m: an opening is no further from an outline than this plus the wall
+    open_floor: float = 0.4  #: m: least width of a passage without a wall or symbol
     open_beside: float = 0.4  #: m of floor on both sides of such a passage
-    open_room: float = 1.5  #: m of its width from which on it has no lintel
-    open_blank: float = 0.8  #: share of it without a passage's symbol: else it has one
-    alike_lines: float = 0.12  #: darkness by which lines across one window differ
+    open_room: float = 1.5  #: m: a passage this wide reaches the ceiling, ...
+    open_blank: float = 0.8  #: ... if at least this share of it has no passage symbol
+    alike_lines: float = 0.12  #: largest difference in darkness of the lines across one window
     pier: float = 0.3  #: m of the narrowest wall between two windows
-    as_thick: float = 0.6  #: of an edge's thickest line: its wall; panes are thinner
-    slid_beside: float = 0.8  #: m to windows that are of one door with sliding panes
-    slid_open: float = 0.7  #: share of a gap with sliding panes that is blank at most
+    as_thick: float = 0.6  #: least thickness of wall, share of the edge's thickest; panes have less
+    slid_beside: float = 0.8  #: m: windows this near are panes of the same sliding door
+    slid_open: float = 0.7  #: largest blank share of a gap with sliding panes
     least_door: float = 0.4  #: m
     least_window: float = 0.3  #: m
     least_passage: float = 0.5  #: m
     widest_door: float = 1.2  #: m: a wider gap between rooms is a passage
-    garage_door: float = 2.0  #: m of the narrowest one
-    rail: float = 0.85  #: share of a terrace's side from which on a window is its rail
-    terrace_door: float = 1.5  #: m of the narrowest window that is one
+    garage_door: float = 2.0  #: m of the narrowest garage door
+    rail: float = 0.85  #: a window along this share of a terrace's side is its rail
+    terrace_door: float = 1.5  #: m of the narrowest window that is a door to a terrace
     # Text and scale.
-    text_px: tuple[int, int] = (1300, 2000)  #: longer side that text is read at
-    printed_edge: float = 0.02  #: of the longer side: paper left around what is printed
-    text_score: float = 0.6  #: of the reader, below which text is not used
-    #: Letters and score: upright text of so many read less surely is read again. With no dilation
-    #: of the reader: chosen on one real listing (development).
+    text_px: tuple[int, int] = (1300, 2000)  #: bounds of the longer side for reading text
+    printed_edge: float = 0.02  #: paper left around what is printed, share of the longer side
+    text_score: float = 0.6  #: score of the reader below which text is not used
+    #: Letters and score: upright text of so many letters or more with a lower score is read again.
+    #: Level text of so many or fewer is, too, and its new reading needs the score. Chosen, with no
+    #: dilation in the reader, on one real listing (development).
     reread: tuple[int, float] = (3, 0.9)
-    #: Least words of which most stand upright that make a picture one whose text is turned.
+    #: Least number of words: if more than half of them are upright, the whole picture is turned.
     turned: int = 3
     door_width: tuple[float, float] = (0.85, 0.18)  #: m, spread of its logarithm between homes
     floor: tuple[float, float] = (12.0, 0.35)  #: m2 of a room, spread of the scale's logarithm
-    agrees: float = 2.5  #: deviations within which evidence agrees
-    sure: float = 0.6  #: confidence below which the scale is a guess
-    doubtful: float = 0.6  #: probability below which rooms and openings are doubts
+    agrees: float = 2.5  #: standard deviations within which evidence agrees
+    sure: float = 0.6  #: confidence below which the scale is listed as a doubt
+    doubtful: float = 0.6  #: probability below which rooms and openings are listed as doubts
 
 
 SETTINGS = TraceSettings()

@@ -1,6 +1,6 @@
-"""A picture of a plan to a plan in metres, with its doubts and an overlay to check it by.
+"""From a picture of a plan to a plan in metres, a list of doubts and an overlay to check it by.
 
-Labels, regions, polygons, openings, texts, scale: each step is a module of this package.
+Each step is a module of this package: labels, regions, polygons, openings, texts, scale.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ from plan2scene_app.tracing.segmenter import PlanSegmenter, load_plan_segmenter
 from plan2scene_app.tracing.settings import MODEL, OUTSIDE, PLAN_LABELS, ROOM, SETTINGS
 from plan2scene_app.tracing.thin_walls import with_thin_walls
 
-#: Metres: what is narrower than this is no opening.
+#: Least width of an opening of each kind, metres.
 LEAST_WIDTH = {
     "door": SETTINGS.least_door,
     "window": SETTINGS.least_window,
@@ -103,7 +103,7 @@ LEAST_WIDTH = {
 
 @dataclass(frozen=True)
 class TracedPlan:
-    """What was read of a picture; lengths in pixels of the frame until `metres` of one is used."""
+    """What was read from a picture. Lengths are pixels of the frame, `metres` each."""
 
     picture: np.ndarray  #: (h, w, 3) uint8 as worked on
     frame: Frame
@@ -112,21 +112,21 @@ class TracedPlan:
     scale: Scale  #: of the frame's pixels
     wall_px: float
     shrunk: float  #: pixels of the file for one of the picture
-    corner: tuple[float, float]  #: where the picture begins in the file, pixels (x, y)
+    corner: tuple[float, float]  #: upper left corner of the picture in the file, pixels (x, y)
     sure: float  #: mean probability of what was found
     read: bool  #: whether text was read
     storeys: tuple[Storey, ...] = ()  #: the lowest first; none for a plan of one drawing
     flights: tuple[TracedFlight, ...] = ()
-    left_out: int = 0  #: drawings that show no home
+    left_out: int = 0  #: number of drawings that show no home
 
     @property
     def metres(self) -> float:
-        """Metres of a pixel of the frame."""
+        """Size of a pixel of the frame in metres."""
         return self.scale.metres_per_pixel
 
     @property
     def file_metres(self) -> float:
-        """Metres of a pixel of the file."""
+        """Size of a pixel of the file in metres."""
         return self.metres * self.frame.zoom / self.shrunk
 
     def in_file(self, points: np.ndarray) -> np.ndarray:
@@ -139,8 +139,8 @@ def trace_picture(
 ) -> TracedPlan:
     """Return the plan that a picture shows.
 
-    `metres_per_pixel` of the file's own pixels is believed before anything written. Raises
-    InputError for what is no picture of a plan.
+    If `metres_per_pixel` is given, for pixels of the file, it is used instead of written sizes.
+    Raises InputError if the picture shows no plan.
     """
     picture = read_plan_picture(path)
     segmenter = load_plan_segmenter(model or MODELS / f"{MODEL}.safetensors")
@@ -220,7 +220,7 @@ def _openings(seen: _Seen, polygons: dict[int, Polygon]) -> list[TracedOpening]:
 
 
 def _drawings_of_rooms(seen: _Seen) -> dict[int, int]:
-    """Return the drawing that each room's number lies in."""
+    """Return the number of the drawing that each room lies in, by the room's number."""
     rooms = seen.regions.rooms
     most = int(seen.owner.max()) + 1
     votes = np.bincount((rooms * most + seen.owner).ravel(), minlength=(rooms.max() + 1) * most)
@@ -230,17 +230,17 @@ def _drawings_of_rooms(seen: _Seen) -> dict[int, int]:
 
 @dataclass(frozen=True)
 class _Seen:
-    """What the network sees of a picture, straight."""
+    """What the network sees in the straightened picture."""
 
     frame: Frame
     probabilities: np.ndarray
     regions: Regions
-    owner: np.ndarray  #: (h, w) int32: the drawing that is nearest, from 1
-    left_out: int = 0  #: drawings that show no home
+    owner: np.ndarray  #: (h, w) int32: number of the nearest drawing, from 1
+    left_out: int = 0  #: number of drawings that show no home
 
 
 def _seen(image: np.ndarray, segmenter: PlanSegmenter, texts: Sequence[TextLine]) -> _Seen:
-    """Return a picture straight, its probabilities and regions; drawings are seen one by one."""
+    """Straighten a picture and find its labels and regions, one drawing at a time."""
     numbers, count = find_drawings(image)
     drawn = numbers
     looks = [_first_look(image, numbers, n, count, segmenter) for n in range(1, count + 1)]
@@ -310,14 +310,17 @@ def _seen(image: np.ndarray, segmenter: PlanSegmenter, texts: Sequence[TextLine]
 
 
 def _as_first_seen(first: _Look, left_out: int = 0) -> _Seen:
-    """Return what the first look saw: of large empty rooms the network sees less in detail."""
+    """Return what the first look saw: close up, the network may miss large empty rooms."""
     regions = find_regions(first.structure, first_scale(first.structure))
     owner = np.ones(first.structure.shape, np.int32)
     return _Seen(first.frame, first.rough, regions, owner, left_out)
 
 
 def _named_beyond(outline: np.ndarray, drawn: np.ndarray, texts: Sequence[TextLine]) -> np.ndarray:
-    """Return corners (n, 2) of the drawings (h, w) int32 that have names beyond an outline."""
+    """Return the corners (n, 2) of each drawing that has a room's name outside an outline's box.
+
+    `outline` is (n, 2), `drawn` (h, w) int32 numbers the drawings.
+    """
     low, high = outline.min(0), outline.max(0)
     named = [np.array(line.middle) for line in texts if room_types(line.text)]
     beyond = [place for place in named if (place < low).any() or (place > high).any()]
@@ -334,7 +337,7 @@ def _named_beyond(outline: np.ndarray, drawn: np.ndarray, texts: Sequence[TextLi
 
 @dataclass(frozen=True)
 class _Look:
-    """A first look at a drawing: `rough` probabilities of the labels in a frame."""
+    """A first look at a drawing: its frame, and `rough` probabilities of the labels there."""
 
     number: int
     frame: Frame
@@ -350,7 +353,7 @@ def _look(frame: Frame, number: int, segmenter: PlanSegmenter) -> _Look:
 def _first_look(
     image: np.ndarray, numbers: np.ndarray, number: int, count: int, segmenter: PlanSegmenter
 ) -> _Look:
-    """Return a first look at one drawing alone; at the whole picture where it fills that."""
+    """Return a first look at one drawing; at the whole picture if a single drawing fills it."""
     rows, columns = ndimage.find_objects((numbers == number).astype(int))[0]
     if count == 1 and fills((rows, columns), image.shape):
         return _look(whole(image, segmenter.long_side), number, segmenter)
@@ -369,13 +372,16 @@ def _of_drawing(image: np.ndarray, numbers: np.ndarray, number: int) -> np.ndarr
 
 
 def _only(image: np.ndarray, kept: np.ndarray) -> np.ndarray:
-    """Return a picture (h, w, 3) uint8 that is paper where it is not kept (h, w) bool."""
+    """Return a picture (h, w, 3) uint8 with paper where `kept` (h, w) bool is false."""
     paper = np.median(image.reshape(-1, 3), axis=0).astype(np.uint8)
     return np.where(kept[..., None], image, paper)
 
 
 def _owners(numbers: np.ndarray, kept: Sequence[int], frame: Frame) -> np.ndarray:
-    """Return for each pixel (h, w) int32 of a frame which of the kept drawings is the nearest."""
+    """Return the number (h, w) int32 of the kept drawing that is nearest to each pixel of a frame.
+
+    `numbers` are the drawings in the picture.
+    """
     height, width = frame.image.shape[:2]
     own = np.where(np.isin(numbers, kept), numbers, 0).astype(np.uint8)
     seen = cv2.warpAffine(own, frame.matrix, (width, height), flags=cv2.INTER_NEAREST)
@@ -386,7 +392,7 @@ def _owners(numbers: np.ndarray, kept: Sequence[int], frame: Frame) -> np.ndarra
 
 
 def _in_frame(lines: Sequence[TextLine], frame: Frame) -> list[TextLine]:
-    """Return texts of the picture in the frame's pixels."""
+    """Return the picture's texts with places and sizes in the frame's pixels."""
     places = frame.of_picture(np.array([line.middle for line in lines]).reshape(-1, 2))
     return [
         TextLine(
@@ -406,13 +412,13 @@ def _scale(
     lines: Sequence[TextLine],
     given: float | None,
 ) -> Scale:
-    """Return the scale that is given, else that texts, doors and rooms agree on."""
+    """Return the given scale, else the one on which texts, doors and rooms agree."""
     if given:
         return Scale(given, 1.0, "as given")
     areas = np.bincount(regions.floors.ravel(), minlength=regions.count + 1).astype(float)
     evidence = []
     feet = sides_in_feet(line.text for line in lines)
-    # What rails and hedges bound is measured less well than what walls do.
+    # Rails and hedges give less exact sizes of rooms than walls.
     indoors = [room for room in rooms if not OPEN_AIR.intersection(room.types)]
     for room in indoors or rooms:
         rows, columns = np.nonzero(regions.floors == room.number)
@@ -428,29 +434,29 @@ def _scale(
 
 
 def _walls(polygons: Sequence[Polygon]) -> tuple[list[float], list[float]]:
-    """Return the places of walls along x and along y."""
+    """Return the x and the y of all corners of polygons, sorted: the places of their walls."""
     corners = np.concatenate([np.array(p.exterior.coords) for p in polygons])
     xs, ys = (sorted(set(np.round(corners[:, axis], 1).tolist())) for axis in (0, 1))
     return xs, ys
 
 
-#: Metres that doors and windows of homes have.
+#: Usual widths of openings in homes, metres.
 _USUAL = {"door": (0.5, 2.6), "window": (0.3, 6.0), "passage": (0.5, 6.0)}
 _COLOURS = {"door": (0, 150, 60), "window": (20, 90, 235), "passage": (240, 140, 0)}
 _FILLS = ((230, 90, 80), (90, 160, 230), (110, 190, 110), (230, 180, 70), (170, 120, 210))
 
 
-#: Metres from floor to floor where a picture shows several storeys: a room and what lies between.
+#: Metres from floor to floor where a picture shows several storeys: a room's height and a slab.
 STOREY = DEFAULT_HEIGHT + 0.3
 
 
 def _shift(plan: TracedPlan, drawing: int) -> np.ndarray:
-    """Return by how many pixels (x, y) of the frame a drawing is moved onto the ground floor."""
+    """Return the shift (x, y), pixels of the frame, of a drawing onto the ground floor."""
     return np.array(next((s.shift for s in plan.storeys if s.drawing == drawing), (0.0, 0.0)))
 
 
 def plan_origin(plan: TracedPlan) -> np.ndarray:
-    """Return the upper left corner of the rooms (x, y) in pixels of the frame, on one another."""
+    """Return the upper left corner (x, y) of all rooms, storeys on one another, in frame pixels."""
     corners = [
         np.array(room.polygon.exterior.coords) + (_shift(plan, room.drawing) if plan.storeys else 0)
         for room in plan.rooms
@@ -482,15 +488,15 @@ def place_in_picture(plan: TracedPlan, file: str) -> dict[str, Any]:
 
 
 def _level_id(place: int) -> str:
-    """Return the id of the level at a place, counted from the lowest."""
+    """Return the id of a level; `place` counts from 0, the lowest."""
     return f"level_{place}"
 
 
 def plan_document(plan: TracedPlan, file: str = "") -> dict[str, Any]:
     """Return the plan as this program's plan JSON, in metres from its upper left corner.
 
-    With the name of its picture's `file` it tells where it lies in that. Several drawings are
-    levels on one another.
+    If the name of the picture's `file` is given, the JSON also holds the plan's place in it.
+    Several drawings become levels.
     """
     origin = plan_origin(plan)
     level_of = {storey.drawing: _level_id(k) for k, storey in enumerate(plan.storeys)}
@@ -552,7 +558,7 @@ def plan_document(plan: TracedPlan, file: str = "") -> dict[str, Any]:
 
 
 def without_loose_openings(document: dict[str, Any], file: str) -> tuple[dict[str, Any], list[str]]:
-    """Return a plan without the openings that no wall is near, and a line for each of them."""
+    """Return a plan without the openings that are near no wall, and a message for each of them."""
     try:
         house_of_plan(document, "traced", file=file)
         return document, []
@@ -569,7 +575,7 @@ def without_loose_openings(document: dict[str, Any], file: str) -> tuple[dict[st
 
 
 def doubts(plan: TracedPlan) -> Iterator[str]:
-    """Yield a line for everything that is a guess or unlikely."""
+    """Yield a message for everything in a plan that is a guess or unlikely."""
     scale = plan.scale
     if scale.confidence < SETTINGS.sure:
         centimetres = 100 * plan.file_metres
@@ -596,7 +602,7 @@ def doubts(plan: TracedPlan) -> Iterator[str]:
 
 
 def _doubts_of_sizes(plan: TracedPlan) -> Iterator[str]:
-    """Yield a line for each written measure that does not fit the scale, at its room if in one."""
+    """Yield a message for each written measure that does not fit the scale, with its room."""
     outside = dict.fromkeys(plan.scale.differ)
     for room in plan.rooms:
         x0, y0, x1, y1 = room.polygon.bounds
@@ -610,7 +616,7 @@ def _doubts_of_sizes(plan: TracedPlan) -> Iterator[str]:
 
 
 def _doubts_of_rooms(plan: TracedPlan) -> Iterator[str]:
-    """Yield a line for each kind of doubt, with the rooms that have it."""
+    """Yield a message for each kind of doubt, with the rooms that it concerns."""
     ways = {n for o in plan.openings if o.kind != "window" for n in (o.room, o.other)}
     kinds = {
         "nothing tells what they are": lambda r: r.types == ("Unknown",) and not r.named,
@@ -627,7 +633,7 @@ def _doubts_of_rooms(plan: TracedPlan) -> Iterator[str]:
 
 
 def _doubts_of_openings(plan: TracedPlan) -> Iterator[str]:
-    """Yield a line for each opening of an odd width, and one for each kind that is hardly sure."""
+    """Yield a message for each opening of an unusual width, and for each kind with unsure ones."""
     unsure: dict[str, dict[str, None]] = {}
     names = {room.number: room.id for room in plan.rooms}
     for opening in plan.openings:
@@ -642,7 +648,7 @@ def _doubts_of_openings(plan: TracedPlan) -> Iterator[str]:
 
 
 def overlay(plan: TracedPlan) -> np.ndarray:
-    """Return the picture (h, w, 3) uint8, paled, with rooms, openings and names over it."""
+    """Return the picture (h, w, 3) uint8 in pale, with rooms, openings and names drawn over it."""
     image = (255 - (255 - plan.picture.astype(np.float32)) * 0.6).astype(np.uint8)
     tint = image.copy()
 
@@ -681,7 +687,7 @@ def overlay(plan: TracedPlan) -> np.ndarray:
 
 
 def traced_files(out: Path) -> tuple[Path, Path, Path]:
-    """Return what is written for a plan `out`: itself, the overlay, the doubts."""
+    """Return the files that are written with the plan `out`: plan, overlay and doubts."""
     return out, out.with_suffix(".overlay.png"), out.with_suffix(".doubts.txt")
 
 
@@ -692,9 +698,9 @@ def write_trace(
     metres_per_pixel: float | None = None,
     model: str | Path | None = None,
 ) -> tuple[TracedPlan, list[str]]:
-    """Trace a picture; write what :func:`traced_files` names. Return plan and lines of doubt."""
+    """Trace a picture, write the files of :func:`traced_files`, return the plan and its doubts."""
     plan = trace_picture(path, metres_per_pixel=metres_per_pixel, model=model)
-    file = Path(path).name  # a person finds it without its folder
+    file = Path(path).name  # without the folder: a person finds it by its name
     document = plan_document(plan, file)
     document, loose = without_loose_openings(document, file)
     house = house_of_plan(document, "traced", file=file)

@@ -1,1 +1,1 @@
-"""The offline viewer: one HTML file with the house in it, and the index of all houses."""
+"""The offline viewer: one HTML file that contains the house, and the index of all houses."""

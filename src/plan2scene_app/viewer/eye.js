@@ -1,11 +1,11 @@
 "use strict";
-// The eye: orbit around the house, or walk in it; what it sees sharply.
+// The eye: it orbits around the house or walks in it; the camera with its depth range.
 
 const FIELDS = { orbit: 32, walk: 62 }; // vertical fields of view, degrees
 const eye = { mode: "orbit", height: 1.6, feet: new THREE.Vector3(), yaw: 0, pitch: 0, field: FIELDS.walk, photo: null };
 const camera = new THREE.PerspectiveCamera(FIELDS.orbit, 1, 0.05, 100);
-let orbit; // three's controls
-let whole = new THREE.Sphere(new THREE.Vector3(), 1); // around everything
+let orbit; // the OrbitControls of three.js
+let whole = new THREE.Sphere(new THREE.Vector3(), 1); // bounding sphere of the house
 
 const forward = () => new THREE.Vector3(
   Math.sin(eye.yaw) * Math.cos(eye.pitch), Math.sin(eye.pitch), Math.cos(eye.yaw) * Math.cos(eye.pitch));
@@ -17,14 +17,14 @@ function startOrbit(canvas) {
 }
 
 function freeWidth(canvas) {
-  // Left margin that the panel covers, in CSS pixels; 0 where it is folded or would leave too little.
+  // Left margin that the panel covers, in CSS pixels; 0 if the panel is folded or leaves too little space.
   if (document.body.classList.contains("folded")) return 0;
   const panel = $("panel").getBoundingClientRect();
   return panel.width < 0.4 * canvas.clientWidth ? panel.right : 0;
 }
 
 function aim(canvas) {
-  // Place, lens and depth range of the camera for the next picture.
+  // Sets position, field of view and depth range of the camera for the next picture.
   const width = canvas.clientWidth || 1, height = canvas.clientHeight || 1;
   if (eye.mode === "walk") {
     const [, down, ahead] = eye.photo?.rotation ?? [];
@@ -39,7 +39,7 @@ function aim(canvas) {
   }
   camera.fov = eye.mode === "walk" ? eye.field : FIELDS.orbit;
   camera.aspect = width / height;
-  // As tight as the house allows: rooms' walls stand back to back.
+  // A depth range as small as possible, so that the walls of neighbouring rooms, back to back, do not flicker.
   const away = whole.center.clone().sub(camera.position).dot(camera.getWorldDirection(new THREE.Vector3()));
   camera.near = Math.max(0.05, away - whole.radius);
   camera.far = Math.max(camera.near + 1, away + whole.radius);
@@ -48,7 +48,7 @@ function aim(canvas) {
 }
 
 function fit(list, share, canvas, azimuth = orbit.getAzimuthalAngle(), polar = orbit.getPolarAngle()) {
-  // Looks at the middle of some parts from where their box fills `share` of the free picture.
+  // Looks at the middle of some parts, from a distance at which their box fills `share` of the free picture.
   const box = boxOf(list), centre = box.getCenter(new THREE.Vector3()), size = box.getSize(new THREE.Vector3());
   const back = new THREE.Vector3().setFromSphericalCoords(1, polar, azimuth);
   const right = new THREE.Vector3(Math.cos(azimuth), 0, -Math.sin(azimuth)), up = back.clone().cross(right);
@@ -70,7 +70,7 @@ function fit(list, share, canvas, azimuth = orbit.getAzimuthalAngle(), polar = o
 }
 
 function enter(room) {
-  // Stands in a room with its back to a wall, where most of the room lies ahead.
+  // Places the eye in a room with its back to a wall, so that it sees farthest ahead.
   if (!barriers) buildWorld();
   const sight = (from, yaw) => sightIn(room, from, yaw);
   let best = { ahead: -1 };
@@ -88,7 +88,7 @@ function enter(room) {
 }
 
 function sightIn(room, from, yaw) {
-  // Metres from a point at eye level to the first wall or door of a room, or out of its box.
+  // Metres from a point at eye level to the first wall, door or window of a room, or to its bounding box.
   const around = room.around ??= parts.filter(({ extras }) => extras.room_id === room.id && /^(wall|door|window|glass)$/.test(extras.kind)).map((part) => part.mesh);
   const way = new THREE.Vector3(Math.sin(yaw), 0, Math.cos(yaw)), { min, max } = room.floor.box;
   const ray = new THREE.Raycaster(from.clone().setY(from.y + eye.height), way);

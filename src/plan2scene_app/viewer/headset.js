@@ -1,12 +1,12 @@
 "use strict";
-// A headset, by WebXR: one stands where the eye is; a trigger goes to the floor that it points at.
+// Headsets (WebXR): the user stands at the eye's place; the trigger moves there where it points on the floor.
 
 async function offerHeadset() {
   $("headset").hidden = !(await navigator.xr?.isSessionSupported("immersive-vr").catch(() => false));
 }
 
 function footing() {
-  // Where the origin of the house is for who stands at the eye's feet and looks its way: {place, turn}.
+  // Place and rotation of the house's origin relative to the eye's feet and direction: {place, turn}.
   const up = new THREE.Vector3(0, 1, 0), yaw = eye.yaw + Math.PI; // a headset looks along -z
   const turn = new THREE.Quaternion().setFromAxisAngle(up, -yaw);
   return { place: eye.feet.clone().negate().applyQuaternion(turn), turn };
@@ -40,7 +40,7 @@ async function enterHeadset() {
     const { position, orientation } = pose.transform, way = new THREE.Vector3(0, 0, -1).applyQuaternion(orientation);
     const hit = new THREE.Raycaster(new THREE.Vector3().copy(position), way).intersectObjects(parts.map((part) => part.mesh), false)[0];
     if (!hit || !GROUND.has(hit.object.part.extras.kind)) return;
-    const head = renderer.xr.getCamera().position; // one may have walked away from where one began
+    const head = renderer.xr.getCamera().position; // the user may have walked away from the start
     eye.feet.set(eye.feet.x + hit.point.x - head.x, hit.point.y, eye.feet.z + hit.point.z - head.z);
     stand();
   });

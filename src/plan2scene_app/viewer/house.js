@@ -1,14 +1,14 @@
 "use strict";
-// The page's data: the house's meshes out of its GLB, rooms, storeys, photos.
+// The page's data: the meshes of the house from its GLB, rooms, storeys, photos.
 
 const $ = (id) => document.getElementById(id);
 const facts = JSON.parse($("facts").textContent); // {surfaces: {"room/surface": ...}, photos: [...]}
-const parts = []; // one a mesh: {mesh, name, extras, glass, unlit, box}
-const lamps = []; // where the file's lamps hang
+const parts = []; // one for each mesh: {mesh, name, extras, glass, unlit, box}
+const lamps = []; // positions of the lamps in the file
 let rooms = [], levels = []; // levels: [{id, name, elevation}], lowest first
 
 async function houseBytes() {
-  // The GLB, zipped and in base64.
+  // Unpacks the GLB, which is stored as gzip in base64.
   const raw = atob($("house").textContent.trim());
   const bytes = new Uint8Array(raw.length);
   for (let i = 0; i < raw.length; i++) bytes[i] = raw.charCodeAt(i);
@@ -17,8 +17,8 @@ async function houseBytes() {
 }
 
 function embeddedImages(parser) {
-  // Decodes the file's images without a request: the page's content policy forbids every one.
-  // Normal maps are left alone: the page's light does not show them.
+  // Decodes the file's images without a request, because the page's content policy forbids requests.
+  // Normal maps are removed: the page's shader does not use them.
   const made = new Map();
   for (const material of parser.json.materials || []) delete material.normalTexture;
   parser.loadImageSource = (index) => {
@@ -33,7 +33,7 @@ function embeddedImages(parser) {
         return texture;
       })());
     }
-    // Another user of the image may have another sampler.
+    // A copy, because another texture of the same image may have another sampler.
     return made.get(index).then((texture) => texture.clone());
   };
   return { name: "embedded images" };
@@ -56,13 +56,13 @@ async function readHouse() {
     }
     if (node.isLight) lights.push(node);
   });
-  for (const light of lights) light.removeFromParent(); // the page has light of its own
+  for (const light of lights) light.removeFromParent(); // the page has its own lighting
   listOf(gltf.scene.userData);
   return gltf.scene;
 }
 
 function listOf({ rooms: entries = [], levels: storeys = [] }) {
-  // Rooms with titles that tell them apart, their floor's area, and a point inside.
+  // Lists the rooms with unique titles, the area of their floor, and a point inside.
   const kind = (room) => room.name ?? room.types.join(" / ");
   const count = new Map(), seen = new Map();
   entries.forEach((room) => count.set(kind(room), (count.get(kind(room)) || 0) + 1));
@@ -79,7 +79,7 @@ function listOf({ rooms: entries = [], levels: storeys = [] }) {
 }
 
 function* trianglesOf(mesh) {
-  // World triangles of a mesh; the same object is given each time.
+  // Yields the world triangles of a mesh; it reuses one object for all of them.
   const { index, attributes } = mesh.geometry;
   const triangle = new THREE.Triangle();
   const count = index ? index.count : attributes.position.count;
@@ -98,7 +98,7 @@ function areaOf(part) {
 }
 
 function insideOf(floor) {
-  // Centre of the floor's largest triangle: inside the room whatever its shape.
+  // Centre of the floor's largest triangle, which is inside a room of any shape.
   const point = new THREE.Vector3();
   let best = -1;
   for (const triangle of trianglesOf(floor.mesh)) {

@@ -16,7 +16,7 @@ from plan2scene.plans.scene_json import read_scene_json
 from plan2scene_app.html_page import html_page, source_hash
 
 _FOLDER = Path(__file__).parent
-#: Files of a house that the page links, with their names for people.
+#: Files of a house to which the page links, with the links' texts.
 _FILES = (
     ("viewer.html", "Open in 3D"),
     ("house.glb", "GLB"),
@@ -43,7 +43,7 @@ def write_index(
     output : path
         The page.
     scenes : sequence of path
-        ``houses/{house}/scene.json``; the other files of a house lie beside it.
+        Files ``houses/{house}/scene.json``; the other files of a house lie beside them.
     table, plot : path
         The evaluation table (CSV) and its plot.
     dataset, method : str
@@ -96,7 +96,7 @@ def _card(scene: Path, base: Path) -> str:
 
 
 def _table(path: str | Path) -> str:
-    """Return a CSV file as an HTML table: the first row heads it, figures are set right."""
+    """Return a CSV file as an HTML table; the first row is the head, numbers align to the right."""
     rows = list(csv.reader(io.StringIO(read_text(path))))
     if not rows:
         return "<p>The table is empty.</p>"
@@ -106,7 +106,7 @@ def _table(path: str | Path) -> str:
 
 
 def _cell(text: str) -> str:
-    """Return one table cell; floats are shortened to four digits."""
+    """Return one table cell; floats are shortened to four significant digits."""
     try:
         value = float(text)
     except ValueError:

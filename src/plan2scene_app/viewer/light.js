@@ -1,16 +1,16 @@
 "use strict";
-// How surfaces look: plain (their colours alone), day (sky, sun, ambient occlusion), lit (a lamp in
-// each room, which no wall lets through). One small shader, quick on machines without a GPU: it
-// takes squares of sRGB values for light, so that a surface in full light has its very colour.
+// Looks of surfaces: plain (only their colours), day (sky, sun, ambient occlusion), lit (a lamp in each
+// room, which lights only this room). One small shader that is fast without a GPU: it uses the square of
+// an sRGB value as linear light, so that a surface in full light shows exactly its colour.
 
 const LOOKS = { plain: 0, day: 1, lit: 2 };
 const LAMP_BELOW_CEILING = 0.35; // metres
-const LAMP = 1.1; // of a floor right below, as bright as a sheet of paper by day
-const SWITCHED = new Set(["ceiling", "structure"]); // kinds that the panel hides
-const gathered = []; // meshes in place of several parts: {mesh, members, box}
+const LAMP = 1.1; // strength of a lamp: light on a floor right below it, about that of paper by day
+const SWITCHED = new Set(["ceiling", "structure"]); // kinds that the panel can hide
+const gathered = []; // meshes that replace several parts: {mesh, members, box}
 const DARK = new THREE.Vector4(0, 0, 0, 0);
 
-// The Khronos neutral tone mapping without a branch: without a GPU branches are slow.
+// The Khronos neutral tone mapping without branches, which are slow without a GPU.
 const NEUTRAL = `
 vec3 neutral(vec3 colour) {
   float low = min(min(colour.r, min(colour.g, colour.b)), 0.08);
@@ -19,8 +19,8 @@ vec3 neutral(vec3 colour) {
   return mix(vec3(end), colour * (end / peak), 1.0 / (0.15 * (peak - end) + 1.0));
 }`;
 
-// Vertices have the light of the sky; a lamp's is worked out for each pixel. Floors have hardly more
-// than walls: their colour is their ratio to walls in photos.
+// The light of the sky is computed at vertices, that of a lamp at each pixel. Floors get hardly more light
+// than walls, because a floor's colour was estimated from its ratio to the walls in photos.
 const SKY = `
 #if LOOK == 1
 varying float sky;
@@ -31,8 +31,8 @@ float skyLight(vec3 n) {
 varying vec3 place, out_;
 #endif
 `;
-// What is worked out for each pixel: no more than it takes. Tone mapping takes the 4 % off again that a
-// dielectric's surface reflects.
+// The fragment shader, as short as possible. It adds the 4 % that a dielectric's surface reflects; tone
+// mapping takes them off again.
 const PIXEL = `
 uniform vec3 diffuse; uniform float opacity, glow; uniform vec4 lamp;
 #include <color_pars_fragment>
@@ -87,20 +87,20 @@ function patch(shader) {
 }
 
 function squared(linear) {
-  // The square of the sRGB value of a linear one.
+  // The square of the sRGB value that belongs to a linear value.
   return (linear <= 0.0031308 ? 12.92 * linear : 1.055 * linear ** (1 / 2.4) - 0.055) ** 2;
 }
 
 function paint(part, sharpness) {
-  // A mesh's material, from what the file says about its colour.
+  // Replaces a mesh's material by one of this page, with the colour that the file gives.
   const { mesh } = part;
   const { map, aoMap, color, opacity, vertexColors, transparent } = mesh.material;
   const sides = part.glass || part.extras.kind === "ceiling" ? THREE.DoubleSide : THREE.FrontSide;
-  const tint = color.clone().setRGB(...color.toArray().map(squared)); // others have the same material
+  const tint = color.clone().setRGB(...color.toArray().map(squared)); // a copy: other meshes share the material
   if (vertexColors) mesh.geometry.setAttribute("color", new THREE.Float32BufferAttribute(Array.from(mesh.geometry.attributes.color.array, squared), mesh.geometry.attributes.color.itemSize));
   const material = new THREE.MeshBasicMaterial({ map, aoMap, color: tint, opacity, vertexColors, transparent, side: sides, depthWrite: !transparent });
   if (map) {
-    Object.assign(map, { anisotropy: sharpness, colorSpace: THREE.NoColorSpace }); // see patch
+    Object.assign(map, { anisotropy: sharpness, colorSpace: THREE.NoColorSpace }); // the shader decodes it, see patch
     if (sharpness === 1) map.minFilter = THREE.LinearMipmapNearestFilter;
   }
   part.look = mesh.material.uuid;
@@ -115,8 +115,8 @@ function shine(material, uniforms) {
 }
 
 function gather(scene) {
-  // One mesh, seen from outside, for what looks alike in a room: each draw costs much without a GPU.
-  // Its parts stay, to be clicked; one that is chosen or painted is drawn over it.
+  // Joins parts of a room that look alike into one mesh for the view from outside, because each draw call
+  // is slow without a GPU. The parts stay for clicks; a chosen or painted part is drawn over the mesh.
   const groups = new Map();
   for (const part of parts) {
     const { geometry, matrixWorld } = part.mesh, { kind, room_id } = part.extras;
@@ -148,7 +148,7 @@ function gather(scene) {
 }
 
 function hangLamps() {
-  // Each room's lamp: the file's where it has one over this floor, else one in the middle.
+  // Sets each room's lamp: the file's lamp over this floor if there is one, else one at its inside point.
   const middle = new Map(rooms.map((room) => {
     const own = lamps.find((lamp) => lamp.y > room.inside.y && lamp.y < room.inside.y + room.height && over(room, lamp));
     const place = own || room.inside.clone().setY(room.inside.y + room.height - LAMP_BELOW_CEILING);

@@ -1,7 +1,7 @@
 "use strict";
-// The small map: rooms of the storey from above, and who walks there. A click goes there.
+// The small map: the storey's rooms from above, and the place of the eye. A click moves the eye there.
 
-const MAP = 150; // CSS pixels of its longer side
+const MAP = 150; // longer side in CSS pixels
 let outline = null; // {level, scale, low, path}
 
 function outlineOfLevel(level) {

@@ -1,12 +1,12 @@
 "use strict";
-// What can be in sight: who stands in a room sees that room, and others through its openings alone.
+// Visibility: from inside a room, one sees that room, and other rooms only through its openings.
 
-const OPENINGS = new Set(["door", "passage", "window", "stairs"]); // stairs fill their well
-const WHOLE = [-1, -1, 1, 1]; // of the picture: left, bottom, right, top
-let shut = null; // rooms that walls close all around: id to the parts of its openings
+const OPENINGS = new Set(["door", "passage", "window", "stairs"]); // stairs fill the opening in the floor
+const WHOLE = [-1, -1, 1, 1]; // the whole picture: left, bottom, right, top
+let shut = null; // map of rooms that are closed by walls all around: id to the parts of its openings
 
 function findShut() {
-  // A room is shut where its walls are as long as its outline.
+  // A room is closed if its walls together are as long as its outline.
   shut = new Map();
   for (const room of rooms) {
     if (!room.floor) continue;
@@ -18,7 +18,7 @@ function findShut() {
 }
 
 function outlineOf(floor) {
-  // Length of the edges that only one triangle of a floor has.
+  // Length of a floor's outline: of all edges that belong to one triangle only.
   const edges = new Map(), name = ({ x, z }) => `${x.toFixed(3)} ${z.toFixed(3)}`;
   for (const { a, b, c } of trianglesOf(floor.mesh)) {
     for (const [p, q] of [[a, b], [b, c], [c, a]]) {
@@ -30,7 +30,8 @@ function outlineOf(floor) {
 }
 
 function frameOf(box) {
-  // The part of the picture that a box may cover: all where it reaches behind the eye, none behind.
+  // The part of the picture that a box may cover: the whole picture if the box reaches behind the eye,
+  // nothing if all of it is behind.
   const frame = [Infinity, Infinity, -Infinity, -Infinity], corner = new THREE.Vector4();
   const { min, max } = box;
   let behind = 0;
@@ -48,7 +49,7 @@ function frameOf(box) {
 const meet = (a, b) => a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3];
 
 function hideUnseen() {
-  // After aim(): hides what no opening of the room around the eye shows.
+  // Call it after aim(). Hides parts that cannot be seen through an opening of the eye's room.
   if (!shut) findShut();
   const room = rooms.find((entry) => camera.position.y > entry.inside.y && camera.position.y < entry.inside.y + entry.height && over(entry, camera.position));
   if (!room || !shut.has(room.id)) return;
@@ -61,13 +62,13 @@ function hideUnseen() {
 }
 
 function nearestFirst(a, b) {
-  // Order of drawing: what stands before others hides them before they are worked out.
+  // Draws near parts first, so that the pixels of hidden parts are not shaded.
   return a.groupOrder - b.groupOrder || a.renderOrder - b.renderOrder || away(a.object) - away(b.object);
 }
 
 function away(mesh) {
   const { frame } = renderer.info.render, { part } = mesh;
-  if (!part) return Number.MAX_VALUE; // lines over the house come last
+  if (!part) return Number.MAX_VALUE; // lines drawn over the house come last
   if (part.frame !== frame) Object.assign(part, { frame, away: part.box.distanceToPoint(camera.position) });
   return part.away;
 }

@@ -1,8 +1,8 @@
 "use strict";
-// What a click does: facts of a surface with its photo crop, photos, the tape measure.
+// Actions of a click: facts of a surface with its photo crop, photos, the tape measure.
 
-const FLASH = 900; // milliseconds that a clicked surface glows
-const SNAP = 14; // CSS pixels from a corner or a photo within which a click means it
+const FLASH = 900; // milliseconds for which a clicked surface glows
+const SNAP = 14; // a click within this many CSS pixels of a corner or a photo selects it
 const INK = 0x8a4b2a;
 let chosen = null, chosenAt = -Infinity;
 const tape = { on: false, points: [] };
@@ -30,7 +30,7 @@ function listOfFacts(rows) {
   return list;
 }
 
-// Lengths and areas in the unit that is chosen.
+// Lengths and areas in the chosen unit.
 const FOOT = 0.3048;
 let feet = false;
 const metres = (value) => {
@@ -48,7 +48,7 @@ function rayAt(x, y, canvas) {
 }
 
 function pick(x, y, canvas) {
-  // The nearest shown surface under a point of the canvas (CSS pixels): {part, point, corners} or null.
+  // The nearest visible surface at a point of the canvas (CSS pixels): {part, point, corners} or null.
   const shown = parts.filter((part) => part.mesh.visible && !part.glass);
   const [hit] = rayAt(x, y, canvas).intersectObjects(shown.map((part) => part.mesh), false);
   if (!hit) return null;
@@ -58,7 +58,7 @@ function pick(x, y, canvas) {
 }
 
 function onScreen(point, canvas) {
-  // Where a world point is drawn, CSS pixels; null behind the eye.
+  // Position of a world point in the picture, CSS pixels; null behind the eye.
   const seen = point.clone().project(camera);
   return seen.z > 1 ? null : { x: ((seen.x + 1) / 2) * canvas.clientWidth, y: ((1 - seen.y) / 2) * canvas.clientHeight };
 }
@@ -67,7 +67,7 @@ const near = (place, x, y) => place && Math.hypot(place.x - x, place.y - y) < SN
 const capital = (word) => word.replace(/^./, (c) => c.toUpperCase());
 const share = (value) => value.toFixed(2).replace(/^0/, "");
 
-// In the studio a clicked surface is told to the page around, which says how it is painted.
+// In the studio, a clicked surface is sent to the outer page, which answers with the colour to show.
 const doorOf = ({ extras }) => extras.kind === "door" && extras.opening_id;
 const surfaceOf = ({ extras }) => (["skirting", "window", "passage"].includes(extras.kind) ? "trim" : extras.surface);
 
@@ -115,7 +115,7 @@ function describe(part) {
 }
 
 function drawFrusta() {
-  // Where located photos were taken: their pyramids of sight, half a metre deep.
+  // The viewing pyramids (frusta) of located photos, half a metre deep.
   const lines = [];
   for (const photo of facts.photos) {
     if (!photo.position) continue;
@@ -160,7 +160,7 @@ function makeTape() {
 }
 
 function measure(x, y, canvas) {
-  // Takes a point, or the corner near it; the second one gives the distance, the third begins anew.
+  // Adds a point, or the corner near it; the second one gives the distance, the third starts again.
   const hit = pick(x, y, canvas);
   if (!hit) return;
   const corner = hit.corners.find((point) => near(onScreen(point, canvas), x, y));
@@ -191,7 +191,7 @@ function setTape(on) {
 }
 
 function label(canvas) {
-  // The distance beside the tape's middle.
+  // Writes the distance beside the tape's middle.
   const [a, b] = tape.points;
   const place = b && onScreen(a.clone().add(b).multiplyScalar(0.5), canvas);
   $("label").hidden = !place;

@@ -1,16 +1,16 @@
 "use strict";
-// Ways through the house: gliding to a place, from photo to photo, a tour, a link to a room.
+// Automatic moves through the house: glides to a place or a photo, a tour, links to a room.
 
 const GLIDE = 0.7; // seconds
-const LINGER = 6; // seconds of a tour in a room
+const LINGER = 6; // seconds that a tour stays in a room
 const calm = matchMedia("(prefers-reduced-motion: reduce)");
-const blending = $("blending"), blend = $("blend"); // they move into the card of a photo
+const blending = $("blending"), blend = $("blend"); // elements that are moved into a photo's card
 let glide = null, tour = null;
 
 const turnTo = (from, to) => from + Math.atan2(Math.sin(to - from), Math.cos(to - from));
 
 function glideTo(goal, arrived = () => {}) {
-  // Takes the eye to {feet, yaw, pitch, field}, as far as they are given.
+  // Moves the eye smoothly to {feet, yaw, pitch, field}; missing values stay.
   const from = { feet: eye.feet.clone(), yaw: eye.yaw, pitch: eye.pitch, field: eye.field };
   const to = { ...from, ...goal };
   to.yaw = turnTo(from.yaw, to.yaw);
@@ -21,7 +21,7 @@ function glideTo(goal, arrived = () => {}) {
 }
 
 function moveGlide(now = performance.now()) {
-  // Returns whether it is still under way.
+  // Returns whether the glide still goes on.
   if (!glide) return false;
   const { from, to, arrived, start } = glide, share = Math.min(1, (now - start) / 1000 / GLIDE);
   const eased = share * share * (3 - 2 * share), mix = (key) => from[key] + (to[key] - from[key]) * eased;
@@ -34,14 +34,14 @@ function moveGlide(now = performance.now()) {
 }
 
 function stop() {
-  // Whoever walks, turns or chooses ends what goes by itself.
+  // Ends all automatic moves, when the user walks, turns or chooses something.
   glide = tour = null;
   $("tour").setAttribute("aria-pressed", "false");
   if (eye.photo) leavePhoto();
 }
 
 function goTo(point) {
-  // Walks to a point of the floor, in one go; a step back from what stands there.
+  // Glides to a point of the floor, or a little before it if an obstacle is there.
   if (!barriers) buildWorld();
   const feet = point.clone(), back = eye.feet.clone().sub(point).setY(0);
   back.normalize().multiplyScalar(0.1);
@@ -52,7 +52,7 @@ function goTo(point) {
   glideTo({ feet, field: FIELDS.walk }, () => markRoom(eye.room = ground?.part.extras.room_id ?? eye.room));
 }
 
-// Photos: fly to where one was taken, with its field of view, and blend it over the house.
+// Photos: the eye flies to a photo's camera, takes its field of view, and the photo is blended over the house.
 
 const placed = () => facts.photos.filter((photo) => photo.position);
 
@@ -62,7 +62,7 @@ function poseOf(photo) {
 }
 
 function fieldOf(photo) {
-  // Vertical field of view, degrees, in which the whole photo is to be seen.
+  // Vertical field of view, degrees, in which the whole photo is visible.
   const wide = Math.max(1, photo.width / photo.height / (canvas.clientWidth / canvas.clientHeight || 1));
   return (2 * Math.atan((wide * photo.height) / 2 / photo.focal_px) * 180) / Math.PI;
 }
@@ -93,7 +93,7 @@ function nextPhoto(photo, by) {
   flyTo(all[(all.indexOf(photo) + by + all.length) % all.length]);
 }
 
-// A tour: each room in turn, looking around.
+// The tour visits each room in turn and looks around in it.
 
 function setTour(on) {
   stop();
@@ -115,7 +115,8 @@ function moveTour(seconds) {
   return true;
 }
 
-// Links: `#room=kitchen` opens the page in that room, `#from=` six metres (eye, what it looks at) outside.
+// Links: `#room=kitchen` opens the page in that room; `#from=` with six coordinates in metres (eye and
+// target) opens it with a view from outside.
 
 function openLink() {
   const given = new URLSearchParams(location.hash.slice(1)), room = rooms.find(({ id }) => id === given.get("room"));
@@ -135,5 +136,5 @@ function placeNow() {
 }
 
 function keepLink(id) {
-  try { history.replaceState(null, "", `#${new URLSearchParams({ room: id })}`); } catch { /* a frame without an address */ }
+  try { history.replaceState(null, "", `#${new URLSearchParams({ room: id })}`); } catch { /* a frame without a URL */ }
 }

@@ -1,17 +1,17 @@
 "use strict";
-// The viewer: starts, draws when something changed, and listens.
+// The viewer: starts the page, draws when something has changed, and handles events.
 
 const HELP = {
   orbit: "Drag to turn, right-drag or Shift-drag to move, scroll to come nearer. Click a surface to read about it.",
   walk: "Click the floor to go there, or walk by W A S D or arrows; drag to look. Click a wall to read about it; the floor, with Shift.",
 };
-const REST = 200; // milliseconds after which a still picture is drawn finely
-const PACES = [1, 0.75, 0.5]; // of the page's pixels, along each side, while the picture moves
+const REST = 200; // milliseconds after which a picture at rest is drawn at a higher resolution
+const PACES = [1, 0.75, 0.5]; // resolutions of moving pictures, as shares of the page's pixels per side
 const canvas = $("view");
 const keys = new Set();
-const seen = { ceilings: false, shells: true, level: null }; // a level's id, null for all
+const seen = { ceilings: false, shells: true, level: null }; // level: the shown level's id, null for all
 let renderer, scene, pending = false, lastTime = 0, resting = 0;
-let marked = null; // the room that the list marks
+let marked = null; // id of the room that is marked in the list
 let pace = 0, late = 0, early = 0;
 
 function refresh() {
@@ -31,8 +31,8 @@ function refresh() {
 }
 
 function keepPace(gap) {
-  // Draws more coarsely when three pictures in a row came under 30 a second, finer after 60 quick ones.
-  if (gap > 400) return; // it stood still between them
+  // Lowers the resolution after three slow pictures in a row (under 30 a second), raises it after 60 fast ones.
+  if (gap > 400) return; // the picture was at rest in between
   late = gap > 35 ? late + 1 : 0;
   early = gap < 18 ? early + 1 : 0;
   if (late < 3 && early < 60) return;
@@ -41,8 +41,8 @@ function keepPace(gap) {
 }
 
 function draw(ratio) {
-  // One picture. Edges of still ones are smoothed by drawing them larger: multisampling lets the wall
-  // behind a corner shine through on software renderers.
+  // Draws one picture. Pictures at rest are drawn larger to smooth edges. Multisampling is not used: on
+  // software renderers it lets the wall behind a corner show through.
   if (renderer.xr.isPresenting) return;
   const width = canvas.clientWidth, height = canvas.clientHeight;
   if (renderer.getPixelRatio() !== ratio || canvas.width !== Math.floor(width * ratio) || canvas.height !== Math.floor(height * ratio)) {
@@ -58,7 +58,7 @@ function draw(ratio) {
   aim(canvas);
   drawMap();
   if (eye.mode === "walk" && seen.ceilings) hideUnseen();
-  const outside = eye.mode === "orbit"; // who walks sees few parts, the nearest first
+  const outside = eye.mode === "orbit"; // inside, few parts are visible; they are drawn one by one, nearest first
   for (const part of parts) part.mesh.material.visible = !outside || !part.gathered || part === chosen || Boolean(part.painted);
   for (const { mesh, members } of gathered) mesh.visible = outside && members.some((part) => part.mesh.visible);
   renderer.render(scene, camera);
@@ -67,7 +67,7 @@ function draw(ratio) {
 
 function markRoom(id) {
   const level = rooms.find((room) => room.id === id)?.level;
-  if (seen.level !== null && level != null && level !== seen.level) setLevel(level); // up the stairs
+  if (seen.level !== null && level != null && level !== seen.level) setLevel(level); // after walking up or down the stairs
   if (eye.mode === "walk" && id !== marked) keepLink(id);
   marked = id;
   for (const room of rooms) room.button.setAttribute("aria-current", String(room.id === id));
@@ -177,7 +177,7 @@ function listenToKeys() {
     camera.position.sub(orbit.target).multiplyScalar(factor).add(orbit.target);
     orbit.update();
   };
-  // Anywhere in the page: a click on a button does not take the keys from who walks.
+  // Keys are handled for the whole page, so that walking by keys still works after a click on a button.
   document.addEventListener("keydown", (event) => {
     const key = event.key.toLowerCase(), { tagName, type } = event.target;
     if (event.ctrlKey || event.metaKey || event.altKey || tagName === "SELECT" || type === "range") return;
@@ -233,7 +233,7 @@ function listen() {
 }
 
 function savePicture() {
-  draw(Math.max(2, window.devicePixelRatio || 1)); // the buffer is kept until the task ends
+  draw(Math.max(2, window.devicePixelRatio || 1)); // the buffer stays valid until this task ends
   canvas.toBlob((blob) => {
     const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(blob), download: `${document.querySelector("h1").textContent}.png` });
     link.click();
@@ -251,7 +251,7 @@ function startRenderer() {
   renderer.setOpaqueSort(nearestFirst);
   const gl = renderer.getContext(), names = gl.getExtension("WEBGL_debug_renderer_info");
   const name = names ? gl.getParameter(names.UNMASKED_RENDERER_WEBGL) : "";
-  // Without a GPU, looking at floors aslant would take most of a picture's time.
+  // Without a GPU, anisotropic filtering of floors seen at a flat angle would take most of the time.
   return /swiftshader|llvmpipe|software|basic render/i.test(name) ? 1 : renderer.capabilities.getMaxAnisotropy();
 }
 

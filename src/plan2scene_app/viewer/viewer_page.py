@@ -1,4 +1,4 @@
-"""viewer.html: page, style, three.js, program, GLB and facts in one file that needs no network."""
+"""viewer.html: style, three.js, program, GLB and facts in one page that needs no network."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ PROGRAM = (
     *("house.js", "light.js", "eye.js", "sight.js", "walk.js", "travel.js", "map.js"),
     *("tools.js", "headset.js", "viewer.js"),
 )
-#: What the page says of a house of which only the GLB is known.
+#: Facts of a house of which only the GLB is known.
 NO_FACTS: Mapping[str, Any] = {"surfaces": {}, "photos": []}
 
 
@@ -44,8 +44,8 @@ def build_viewer(
 ) -> None:
     """Write the viewer of a house.
 
-    The page's content policy lets the two scripts and the style run that are written here, by their
-    hashes, and no request. Names are escaped; the program shows them as text.
+    The page's content policy allows only its own two scripts and its style, by their hashes, and no
+    requests. Names are escaped; the program shows them as text.
 
     Parameters
     ----------
@@ -55,14 +55,14 @@ def build_viewer(
         An HTML file; it opens from the disk in any browser with WebGL 2.
     house_id : str
     title : str
-        What people call the house; its id without.
+        The house's name for people; by default its id.
     facts : mapping
-        What a click shows beside the GLB, see :func:`plan2scene_app.viewer.viewer_page.read_facts`.
+        What a click on a surface or photo shows, see :func:`read_facts`.
 
     Raises
     ------
     InputError
-        When `glb` is no GLB.
+        If `glb` is not a GLB file.
     """
     data = Path(glb).read_bytes()
     if data[:4] != b"glTF":
@@ -90,15 +90,15 @@ def build_viewer(
 
 
 def _text(name: str) -> str:
-    """Return a file of this package."""
+    """Return the text of a file in this package."""
     return (_FOLDER / name).read_text(encoding="utf-8")
 
 
-#: Quality of the crops' JPEG files.
+#: JPEG quality of the crops.
 _QUALITY = 85
-#: Longer side in pixels and quality of the photos that the page shows over the house.
+#: Longer side in pixels, and JPEG quality, of the photos that the page shows over the house.
 _PHOTO_PX, _PHOTO_QUALITY = 560, 60
-#: What the viewer needs of an entry of cameras.json.
+#: Keys of an entry of cameras.json that the viewer needs.
 _CAMERA = ("width", "height", "focal_px", "rotation", "position", "room_id", "located")
 
 
@@ -118,19 +118,19 @@ def read_facts(
     crops : path
         ``crops.parquet``.
     cameras : path or None
-        ``cameras.json`` of located photos; None where crops came ready and no photo was read.
+        ``cameras.json`` of located photos; None if crops were ready-made and no photo was read.
     house : House, optional
-        Its levels lift the cameras; without it all is one storey at 0.
+        Cameras are lifted by the elevations of its levels; without it there is one level at 0.
     photos : path, optional
-        Folder of the photos: those that are located go into the page, small.
+        Folder of the photos; reduced copies of the located ones are put into the page.
 
     Returns
     -------
     dict
-        ``surfaces``: ``{"room/surface": {"photo", "crop"}}`` of observed ones, the chosen crop as
-        a data URL; ``{"confidence", "source"}`` of the others. ``photos``: ``[{"name", "number"}]``
-        by name, located ones with their camera (metres, world to camera) and, of a folder of
-        photos, their ``image`` (a data URL).
+        ``surfaces``: ``{"room/surface": {"photo", "crop"}}`` for observed ones, with the chosen
+        crop as a data URL; ``{"confidence", "source"}`` for the others. ``photos``: ``[{"name",
+        "number"}]`` by name; located ones also have their camera (metres, world to camera) and, if
+        `photos` is given, their ``image`` (a data URL).
     """
     import pyarrow.parquet as pq
 
@@ -171,7 +171,7 @@ def _data_url(image: np.ndarray, quality: int = _QUALITY) -> str:
 
 
 def _small(photo: Path) -> np.ndarray:
-    """Return a photo (h, w, 3) uint8 sRGB, its longer side `_PHOTO_PX`."""
+    """Return a photo (h, w, 3) uint8 sRGB, its longer side at most `_PHOTO_PX`."""
     image = decode_image(
         photo, lambda opened: to_small_srgb(opened, _PHOTO_PX), max_pixels=MAX_PHOTO_PIXELS
     )
@@ -182,7 +182,7 @@ def _small(photo: Path) -> np.ndarray:
 def _camera(
     name: str, entry: dict[str, Any], house: House | None, photos: Path | None
 ) -> dict[str, Any]:
-    """Return a located photo's camera, its position in the house; nothing of others."""
+    """Return a photo's camera with its position in the house; empty if it is not located."""
     if entry.get("position") is None or entry.get("room_id") is None:
         return {}
     camera = {name: entry[name] for name in _CAMERA}

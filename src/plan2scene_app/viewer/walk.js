@@ -1,12 +1,12 @@
 "use strict";
-// Walking: a capsule that walls, windows, shut doors and objects stop (three's Octree), on floors and
-// stairs that are near enough underfoot. Inner doors stand open for it.
+// Walking: a capsule moves over floors and stairs; walls, windows, shut doors and objects stop it (the
+// Octree of three.js). Inner doors do not stop it.
 
 const BODY = 0.22; // metres: radius of the capsule
-const TALL = 1.6; // metres up to which it is stopped
-const KNEE = 0.45; // what is lower stops nobody, unless it is ground that is too high
-const STEP = 0.3; // the highest step up; down it is twice that
-const STRIDE = 0.04; // metres between two looks for walls
+const TALL = 1.6; // metres: upper end of the capsule's axis
+const KNEE = 0.45; // metres: lower end of the capsule; lower things do not stop it, except too high ground
+const STEP = 0.3; // metres: the highest step up; a step down may be twice as high
+const STRIDE = 0.04; // metres between two tests for collisions
 const GROUND = new Set(["floor", "threshold", "stairs"]);
 const STOPS = new Set(["wall", "structure", "window", "glass", "railing", "object", "stairs"]);
 let barriers = null, grounds = null;
@@ -23,7 +23,7 @@ function buildWorld() {
       if (GROUND.has(part.extras.kind) && level) grounds.push({ part, triangle: copy, box: new THREE.Box3().setFromPoints([a, b, c]) });
       else if (stops(part)) {
         barriers.addTriangle(copy);
-        // Panes have one side.
+        // A pane has one side in the mesh; add the other.
         if (part.glass) barriers.addTriangle(new THREE.Triangle(copy.a, copy.c, copy.b));
       }
     }
@@ -32,13 +32,13 @@ function buildWorld() {
 }
 
 function groundAt(x, z, feet) {
-  // The highest ground within a step of the feet, tried around the point too: {y, part} or null.
+  // The highest ground within a step of the feet at a point or close around it: {y, part} or null.
   for (const [dx, dz] of [[0, 0], [0.06, 0], [-0.06, 0], [0, 0.06], [0, -0.06]]) {
     const point = new THREE.Vector3();
     let best = null;
     for (const { part, triangle, box } of grounds) {
       if (x + dx < box.min.x - 1e-6 || x + dx > box.max.x + 1e-6 || z + dz < box.min.z - 1e-6 || z + dz > box.max.z + 1e-6) continue;
-      const y = triangle.a.y; // grounds are level
+      const y = triangle.a.y; // ground triangles are horizontal
       if (y > feet + STEP || y < feet - 2 * STEP || (best && y <= best.y)) continue;
       if (triangle.containsPoint(point.set(x + dx, y, z + dz))) best = { y, part };
     }
@@ -50,7 +50,7 @@ function groundAt(x, z, feet) {
 const bodyAt = ({ x, y, z }) => new THREE.Capsule(new THREE.Vector3(x, y + KNEE + BODY, z), new THREE.Vector3(x, y + TALL, z), BODY);
 
 function stride(dx, dz) {
-  // One short move; slides along what stops it; returns whether there was a way.
+  // Makes one short move, sliding along obstacles; returns whether it succeeded.
   const place = eye.feet.clone().add(new THREE.Vector3(dx, 0, dz));
   for (let pass = 0; pass < 4; pass++) {
     const hit = barriers.capsuleIntersect(bodyAt(place));
@@ -69,7 +69,7 @@ function stride(dx, dz) {
 }
 
 function walkBy(dx, dz) {
-  // Goes a way in the plan, metres, as far as it is free.
+  // Moves by (dx, dz) metres in the plan, as far as nothing blocks the way.
   if (!barriers) buildWorld();
   const count = Math.max(1, Math.ceil(Math.hypot(dx, dz) / STRIDE));
   for (let k = 0; k < count; k++) {
@@ -78,7 +78,7 @@ function walkBy(dx, dz) {
 }
 
 function step(seconds) {
-  // Walks (or moves the orbit's target) with the keys that are down; returns whether any is.
+  // Walks (or moves the orbit's target) with the pressed keys; returns whether anything is moving.
   const held = (...names) => (names.some((name) => keys.has(name)) ? 1 : 0);
   const along = held("w", "arrowup") - held("s", "arrowdown"), across = held("d") - held("a");
   const turn = held("arrowright") - held("arrowleft");

@@ -1,4 +1,4 @@
-// What the viewer uses of three.js: `npm ci && npm run build` makes ../three.min.js of it.
+// The parts of three.js that the viewer uses: `npm ci && npm run build` makes ../three.min.js from them.
 export {
   Box3,
   BufferGeometry,
