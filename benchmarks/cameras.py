@@ -1,12 +1,12 @@
-"""Cameras, rectified planes and scale against the truth of a synthetic data set; real photos.
+"""Compare cameras, rectified planes and scale with the truth of synthetic or real photos.
 
 ``python benchmarks/cameras.py ROOT [--labels KIND ...] [--split SPLIT] [--limit N] [--bend K]``
 ``python benchmarks/cameras.py --real FOLDER [--labels KIND ...]``
 
-ROOT has the layout of docs/conventions.md with ``truth/{split}/{house}/``. A rotation is compared
-up to quarter turns about the vertical, as the heading of a Manhattan frame is. With ``--bend`` a
-lens moves points at radius r, in half diagonals, to ``r (1 + K r^2)``. FOLDER has ``index.csv``
-(name, fx in pixels), ``{name}.jpg`` and ``{name}.mask.png``.
+ROOT has the layout of docs/conventions.md with ``truth/{split}/{house}/``. Rotations are compared
+up to quarter turns about the vertical, because a Manhattan frame is only known up to those.
+``--bend`` adds lens distortion: a point at radius r (in half diagonals) moves to ``r (1 + K r^2)``.
+FOLDER has ``index.csv`` (name, fx in pixels), ``{name}.jpg`` and ``{name}.mask.png``.
 """
 
 from __future__ import annotations
@@ -37,13 +37,13 @@ from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.weights import MODELS
 
 KINDS = ("truth", "rough", "network", "none")
-#: What a plane counts as square within, degrees.
+#: A plane is square if its error is at most this, degrees.
 SQUARE_DEG = 2.0
 
 
 @dataclass(frozen=True)
 class Result:
-    """Errors of one photo: degrees, relative focal length and camera heights, seconds."""
+    """Errors of one photo: degrees, relative errors of focal length and camera height; seconds."""
 
     photo: str
     rotation_deg: float
@@ -109,7 +109,7 @@ def roughened(labels: np.ndarray, seed: int) -> np.ndarray:
 
 
 def labeller(kind: str) -> Callable[[np.ndarray, Path], np.ndarray | None]:
-    """Return what gives the labels of a photo and its true mask file, by kind."""
+    """Return the function from a photo and its true mask file to labels, by kind of labels."""
     if kind == "network":
         network = load_segmenter(MODELS / "segmentation.safetensors")
         return lambda image, _mask: network.labels(image)
@@ -121,7 +121,7 @@ def labeller(kind: str) -> Callable[[np.ndarray, Path], np.ndarray | None]:
 
 
 def bent(image: np.ndarray, bend: float, interpolation: int) -> np.ndarray:
-    """Return an image or label mask as a lens of that distortion shows it; black where unknown."""
+    """Return an image or label mask with lens distortion `bend`; unknown pixels are black."""
     height, width = image.shape[:2]
     y, x = np.mgrid[0:height, 0:width].astype(np.float32)
     x, y = x - (width - 1) / 2, y - (height - 1) / 2
@@ -151,7 +151,7 @@ def _of_photo(
     fov_deg: float,
     bend: float,
 ) -> Result:
-    """Return the errors of one photo; of planes only where it is not bent."""
+    """Return the errors of one photo; those of planes only without `bend`."""
     truth = Camera.from_json(photo.truth, file=photo.name)
     image = read_image(photo.file)
     labels = label(image, photo.mask)
@@ -206,7 +206,7 @@ def measure_real(folder: Path, fov_deg: float, kind: str) -> list[Result]:
 
 
 def figures(results: Sequence[Result]) -> dict[str, str]:
-    """Return the figures of a set of photos by name."""
+    """Return the figures of a set of photos: name of the figure -> text."""
     found: dict[str, str] = {"photos": str(len(results))}
 
     def add(name: str, values: Sequence[float], digits: int = 2) -> None:

@@ -1,10 +1,11 @@
-"""The texture models on clean crops: one of each texture of a folder, embedded and decoded.
+"""Measure the texture models on one clean crop of each texture of a folder.
 
     python benchmarks/clean_crops.py --textures FOLDER [--split val] [--seeds 3]
 
-FOLDER as of ``benchmarks/exemplar.py``. Prints means and standard deviations over seeds (other
-windows, other noise) of COLOR, FREQ, TILE, the median wrap ratio and the share of substances named
-rightly, for ``synth``, ``synth-large`` and ``naivesynth`` with the shipped weights.
+FOLDER is described in ``benchmarks/exemplar.py``. Each crop is embedded and decoded. The script
+prints means and standard deviations over seeds (which change windows and noise) of COLOR, FREQ,
+TILE, the median wrap ratio and the accuracy of the substance, for ``synth``, ``synth-large`` and
+``naivesynth`` with the shipped weights.
 """
 
 import argparse

@@ -1,21 +1,20 @@
-"""Crops against the truth of a synthetic data set, with each correction on and off.
+"""Compare crops with the truth of a synthetic data set, with and without the filter.
 
 ``python benchmarks/crops.py ROOT [--split SPLIT] [--masks true network] [--work DIR]``
 
 ROOT has the layout of docs/conventions.md with ``truth/{split}/{house}``. Cameras are estimated
 from the masks; the windows' seed is 0. Per combination of corrections:
 
-- crops kept, of how many windows drawn; surfaces without a crop that have one without the filter;
-  surfaces that live on last resorts;
-- wrong surface: share of the kept crops whose quad in the photo holds the centre of any pixel that
-  truly is of another surface or of none (furniture, doors), and the same with over 1 % of the
-  quad's pixels; other plane: any pixel of another plane (the next wall is of the same surface);
-- colour: per surface (room, floor/wall/ceiling) the median per channel over all pixels of its
-  kept crops, against the median of the true albedo tile, as CIEDE2000. "Within 3" compares as
-  they are. "Within 3, light level free" first scales the tile's linear RGB by one factor so that
-  its luminance is the crops': the albedo under the photo's light, which the correction should
-  have made neutral, but whose brightness at that place is not the albedo's fault. The same
-  comparison is repeated per photo of each surface, where a single tinted photo cannot hide;
+- crops kept and windows drawn; lost: surfaces that have a crop only without the filter; last
+  resorts: surfaces without any good crop;
+- wrong surface: share of the kept crops whose quad in the photo contains the centre of any pixel of
+  another surface or of none (furniture, doors), and the share with over 1 % such pixels; other
+  plane: share with any pixel of another plane (a different wall has the same surface);
+- colour: for each surface (room, floor/wall/ceiling) CIEDE2000 between the median (by channel) over
+  all pixels of its kept crops and the median of the true albedo tile. "Within 3, light level free"
+  first scales the tile's linear RGB by one factor to the luminance of the crops, because the
+  brightness of the light at that place is no error of the albedo. The same comparison is repeated
+  for each photo of each surface, so that a single tinted photo is not averaged away;
 - COLOR and FREQ of each surface's medoid crop against the true tile at the crop's scale.
 """
 
@@ -57,7 +56,7 @@ from plan2scene.weights import MODELS
 
 LABEL = {"floor": FLOOR, "wall": WALL, "ceiling": CEILING}
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
-#: Corrections on in each line of the table.
+#: Corrections that are on in each line of the table.
 VARIANTS = (
     (),
     ("filter",),
@@ -86,7 +85,7 @@ def sources(root: Path, split: str) -> Iterator[Source]:
 
 
 def masks_of(source: Source, kind: str, work: Path) -> Path:
-    """Return the folder of masks and cameras of a house, made unless it is there."""
+    """Return the folder of masks and cameras of a house; make it if it does not exist."""
     folder = work / kind / source.house.id
     if not folder.is_dir():
         label = partial(
@@ -101,17 +100,17 @@ def masks_of(source: Source, kind: str, work: Path) -> Path:
 
 @dataclass(frozen=True)
 class Truth:
-    """Labels (h, w), plane ids (h, w) of a photo, per file."""
+    """True labels (h, w) and plane ids (h, w) of a photo."""
 
     labels: np.ndarray
     planes: np.ndarray
 
 
 def touched(corners: np.ndarray, surface: str, truth: Truth) -> tuple[float, float]:
-    """Return the shares of a quad's pixels of another surface and of another plane.
+    """Return the shares of a quad's pixels on another surface and on another plane.
 
-    `corners` (4, 2) pixels x y; a pixel counts when its centre is inside. The plane is the
-    commonest one of the surface in the quad.
+    `corners` (4, 2) are x y in pixels; a pixel counts if its centre is inside. The right plane is
+    the most frequent one of the surface in the quad.
     """
     low = np.maximum(np.floor(corners.min(axis=0)).astype(int), 0)
     size = np.array(truth.labels.shape)[::-1]
@@ -141,7 +140,7 @@ def tile_window(tile: np.ndarray, size_m: float, metres: float) -> np.ndarray:
 
 
 def differences(crop_rgb: np.ndarray, tile_rgb: np.ndarray) -> tuple[float, float]:
-    """Return CIEDE2000 of two sRGB colours in [0, 1], and the same with the light level free."""
+    """Return CIEDE2000 of two sRGB colours in [0, 1], as they are and at equal luminance."""
     linear, true = srgb_to_linear(crop_rgb), srgb_to_linear(tile_rgb)
     level = float(linear @ LUMINANCE) / max(float(true @ LUMINANCE), 1e-6)
     lit = linear_to_srgb(np.clip(true * level, 0, 1))
@@ -156,7 +155,7 @@ def median_of(images: list[np.ndarray]) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Drawn:
-    """Candidates of a house, each photo's gains, and the shares of wrong pixels of each."""
+    """Candidates of a house, gains of each photo, and shares of wrong pixels of each candidate."""
 
     source: Source
     candidates: list[Candidate]
@@ -165,7 +164,7 @@ class Drawn:
 
 
 def draw(source: Source, masks: Path, *, filtered: bool) -> Drawn:
-    """Return the windows of a house, judged when `filtered`."""
+    """Return the windows of a house, judged by the filter if `filtered`."""
     made = crops_of_house(
         source.house,
         source.rooms_of_photo,
@@ -212,7 +211,7 @@ def measure_house(drawn: Drawn) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFram
 
 
 def _surfaces(crops: pd.DataFrame, source: Source, more: list[str]) -> pd.DataFrame:
-    """Return a row per surface (and per value of the columns `more`) with its colour errors."""
+    """Return a row with colour errors for each surface (and each value of the columns `more`)."""
     sizes = read_json(source.truth / "materials.json")
     rows: list[dict[str, Any]] = []
     for key, group in crops.groupby(["room_id", "surface", *more], sort=True):

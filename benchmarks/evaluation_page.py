@@ -1,11 +1,11 @@
-"""Put the sweep, the ablations and a picture of the user study into the docs.
+"""Write the sweep, the ablations and a picture of the user study into the docs.
 
     snakemake -j2 sweep ablation study --configfile config/benchmark.yaml
     python benchmarks/evaluation_page.py results/benchmark
 
-Writes docs/pictures/sweep.png and study.jpg (a picture of the form's first question, by a headless
-Chromium), and the text between the two marks of docs/measurements/evaluation.md, with commit and
-date.
+It writes docs/pictures/sweep.png and study.jpg (a screenshot of the form's first question by a
+headless Chromium), and the text between the two marks in docs/measurements/evaluation.md, with
+commit and date.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ BEGIN, END = "<!-- figures: benchmarks/evaluation_page.py -->", "<!-- end of fig
 
 
 def of_all_surfaces(table: str) -> str:
-    """Return the table of ablations without its rows of observed and unobserved surfaces."""
+    """Return the table of ablations without the rows for observed and unobserved surfaces."""
     lines = table.rstrip().splitlines()
     return "\n".join(ln for ln in lines if "| observed |" not in ln and "| unobserved |" not in ln)
 
 
 def screenshot(page: Path, output: Path) -> None:
-    """Write a picture of the form's first question as JPEG."""
+    """Write a screenshot of the form's first question as JPEG."""
     browser = next(filter(None, map(shutil.which, ("chromium", "google-chrome"))), None)
     if browser is None:
         raise SystemExit("no Chromium to draw the study's form with")

@@ -1,12 +1,11 @@
-"""Texture methods against clean tiles: photo-like crops, regular patterns.
+"""Compare texture methods with clean tiles, from photo-like crops or regular patterns.
 
 ``python benchmarks/exemplar.py patterns [--cases 20]``
 ``python benchmarks/exemplar.py methods  [--textures FOLDER] [--seeds 3]``
 
-FOLDER has a folder of tileable images per substance and an ``index.csv`` with columns id, split;
-without one the textures are 60 procedural materials.
-Tables are Markdown, seconds those of the processor. The crops are those of
-``plan2scene_workshop.texture.degradation``; wrap ratios are
+FOLDER has a subfolder of tileable images for each substance and an ``index.csv`` with columns id,
+split; without FOLDER the textures are 60 procedural materials. Tables are Markdown; seconds are
+processor time. The crops are those of ``plan2scene_workshop.texture.degradation``; wrap ratios are
 ``plan2scene.textures.seams.wrap_ratio``.
 """
 
@@ -36,13 +35,13 @@ from plan2scene_workshop.rendering.index import textures_of_split
 from plan2scene_workshop.texture.degradation import DegradedCrop, degrade
 
 ROLLS = 8
-PROCEDURAL = 15  # materials of each substance where no folder is given
+PROCEDURAL = 15  # number of materials of each substance if no folder is given
 SHOWN = ("clean", "crop", "synth", "synth-large", "exemplar")
 FIGURES = ("COLOR", "FREQ", "TILE", "dE2000", "wrap 50 %", "wrap 90 %", "rolled 90 %", "light", "s")
 
 
 def load_textures(args: argparse.Namespace) -> list[Material]:
-    """Return the folder's textures of a split, else procedural ones that no model has seen."""
+    """Return the folder's textures of a split, or procedural ones that no model was trained on."""
     if args.textures:
         return textures_of_split(args.textures, args.split, size_px=CROP_PX)[:: args.every]
     return [
@@ -53,7 +52,7 @@ def load_textures(args: argparse.Namespace) -> list[Material]:
 
 
 def light_residue(tile: np.ndarray) -> float:
-    """Return the standard deviation of the sigma-12 blur of a tile's grey values, wrapped."""
+    """Return the standard deviation of a tile's grey values after a periodic blur of sigma 12."""
     grey = cv2.cvtColor(tile, cv2.COLOR_RGB2GRAY).astype(np.float64)
     margin = 48
     wide = cv2.copyMakeBorder(grey, margin, margin, margin, margin, cv2.BORDER_WRAP)
@@ -61,7 +60,7 @@ def light_residue(tile: np.ndarray) -> float:
 
 
 def flattened(crop: np.ndarray) -> np.ndarray:
-    """Return a crop divided by its sigma-12 blur, its median colour kept: the simple method."""
+    """Return a crop divided by its sigma-12 blur with its median colour kept: a simple baseline."""
     values = crop.astype(np.float64) + 1.0
     even = values / cv2.GaussianBlur(values, (0, 0), 12.0)
     even *= np.median(values, axis=(0, 1)) / np.median(even, axis=(0, 1))
@@ -75,7 +74,7 @@ def rolled_ratios(tile: np.ndarray, seed: int) -> list[float]:
 
 
 def figures(tile: np.ndarray, clean: np.ndarray, seconds: float, seed: int) -> list[float]:
-    """Return a method's figures on one texture: errors, seams, light (1 where within bounds)."""
+    """Return a method's figures on one texture: errors, seams, light (1 if it is even), seconds."""
     away = delta_e_2000(rgb_to_lab(median_colour(tile)), rgb_to_lab(median_colour(clean)))
     dark = light_residue(tile) <= 1.25 * light_residue(clean) + 0.3
     return [
@@ -91,7 +90,7 @@ def figures(tile: np.ndarray, clean: np.ndarray, seconds: float, seed: int) -> l
 
 
 def summary(rows: np.ndarray) -> list[float]:
-    """Return :data:`FIGURES` of figures (n, 7 + rolls)."""
+    """Return :data:`FIGURES` over the rows (n, 7 + rolls) of n textures."""
     mean = rows.mean(axis=0)
     wraps, rolled = rows[:, 4], rows[:, 7:]
     return [
@@ -114,19 +113,19 @@ def print_table(
 
 
 def exemplar_method(crops: Sequence[DegradedCrop], known: bool) -> np.ndarray:
-    """Return the exemplar; `known`: the crops come with their scales (a tile is 1 m)."""
+    """Return the exemplar; if `known`, the crops have their scales (a tile is 1 m)."""
     scale = [crop.side if known else float("nan") for crop in crops]
     sharp = [crop.side if known else 0.75 for crop in crops]
     made = make_exemplar(
         [ExemplarCrop(c.image, m, s) for c, m, s in zip(crops, scale, sharp, strict=True)],
         size_px=CROP_PX,
     )
-    # A burned-out surface has none; the stage then decodes, the benchmark counts the crop.
+    # An overexposed surface has no exemplar. The stage then decodes a tile; here, the crop counts.
     return crops[0].image if made is None else made.image
 
 
 def decoders() -> dict[str, Callable[[Sequence[DegradedCrop]], np.ndarray]]:
-    """Return the methods that decode, with the shipped models."""
+    """Return the methods that decode tiles with the shipped models."""
     from plan2scene.colour import clipped_share
     from plan2scene.textures.decoding import even_crop, match_statistics
     from plan2scene.textures.model.embedding import embed_crops
@@ -157,7 +156,7 @@ def decoders() -> dict[str, Callable[[Sequence[DegradedCrop]], np.ndarray]]:
 
 
 def print_networks(results: dict[str, list[list[np.ndarray]]]) -> None:
-    """Print SUBS and FID of the embedded network between tiles and the clean ones, by seed."""
+    """Print SUBS and FID (embedded network) of the tiles against clean ones, over seeds."""
     from plan2scene.metrics.feature_sets import SurfaceDistances
     from plan2scene.metrics.networks import describe_images
     from plan2scene.metrics.substance_network import load_substance_network
@@ -178,7 +177,7 @@ def print_networks(results: dict[str, list[list[np.ndarray]]]) -> None:
 
 
 def methods(with_synth: bool) -> dict[str, Callable[[Sequence[DegradedCrop]], np.ndarray]]:
-    """Return the methods by name, each from crops to a tile."""
+    """Return the methods by name; each is a function from crops to a tile."""
     library = generated_library(LIBRARY_TILES, 0, CROP_PX)
     found: dict[str, Callable[[Sequence[DegradedCrop]], np.ndarray]] = {
         "crop": lambda crops: crops[0].image,

@@ -1,4 +1,4 @@
-"""Regular patterns of known periods, for benchmarks/exemplar.py."""
+"""Regular patterns with known periods, for benchmarks/exemplar.py."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ _NEAR = 0.03
 
 
 def draw(kind: str, rng: np.random.Generator) -> tuple[np.ndarray, list[tuple[float, float]]]:
-    """Return a tile (128, 128, 3) uint8 and its periods (x, y) in tile sides that count as right.
+    """Return a tile (128, 128, 3) uint8 and the periods (x, y) in tile sides that are right.
 
-    NaN: any. A brick bond repeats after two rows; cut after one it is a whole pattern only where
-    the rows are counted in pairs, so one row is right as a period of the joints.
+    NaN: any period is right. A brick bond repeats after two rows, but its joints repeat after one
+    row, so both periods are right.
     """
     if kind == "grid":
         columns, rows = rng.integers(3, 8, 2)
@@ -42,9 +42,10 @@ def draw(kind: str, rng: np.random.Generator) -> tuple[np.ndarray, list[tuple[fl
 
 
 def autocorrelation(tile: np.ndarray, periods: tuple[float, float]) -> float:
-    """Return the least autocorrelation of the repeated tile at one period along x and along y.
+    """Return the smaller autocorrelation of the repeated tile at one period along x and along y.
 
-    `periods` in pixels; NaN leaves a direction out. Lags within a pixel of the period count.
+    `periods` are in pixels; a direction with NaN is left out. The better of the two integer lags
+    next to a period counts.
     """
     grey = tile.astype(np.float64).mean(axis=2)
     grey -= grey.mean()
@@ -62,7 +63,7 @@ def autocorrelation(tile: np.ndarray, periods: tuple[float, float]) -> float:
 def _judge(
     made: Exemplar | None, tile: np.ndarray, truth: list[tuple[float, float]]
 ) -> tuple[bool, float]:
-    """Return whether the periods were found, and the autocorrelation over the truth's."""
+    """Return whether the periods were found, and the autocorrelation over that of the truth."""
     if made is None:
         return False, 0.0
     cut, nan = made.pattern.cut, float("nan")
@@ -89,7 +90,7 @@ def _judge(
 
 
 def pattern_rows(cases: int, turn_deg: float) -> list[tuple[str, list[str]]]:
-    """Return a table row per kind of pattern: cases, share of right periods, autocorrelation."""
+    """Return a table row for each kind: cases, share of right periods, autocorrelation."""
     rows = []
     for kind in KINDS:
         judged = []

@@ -1,14 +1,14 @@
-"""How well a house knows how far its colours are from the truth, where photos are hidden.
+"""Compare the expected errors of a house's colours with the true ones, with hidden photos.
 
     python benchmarks/expected_error.py results/demo resources/demo
     python benchmarks/expected_error.py RESULTS FLAT...    # flats: folders as of `real_house.py`
 
-RESULTS is results/{dataset}. Of each house 60 % of the photos are hidden, by several seeds, and the
-paint of all surfaces is estimated from the others. True colour: CIEDE2000 to the true material, or
-to the true crop of a flat after one gain (three factors, the median) for each hiding, as crops hold
-the light of their rooms. Printed: area under the curve of "more than 6 off" by the expected error,
-mean expected and mean true error. Hidden photos count for the embeddings of surfaces that others
-show, not for colours.
+RESULTS is results/{dataset}. In each house 60 % of the photos are hidden, by several seeds, and the
+paint of all surfaces is estimated from the others. The true error is CIEDE2000 to the true
+material, or to the true crop of a flat. True crops contain the light of their rooms, so the paint
+of a flat is first scaled by one gain (three factors, the median) for each seed. The script prints
+the area under the ROC curve of "error above 6" by the expected error, and the means of expected and
+true error. Limit: embeddings of visible surfaces still use the hidden photos; colours do not.
 """
 
 import sys
@@ -91,7 +91,7 @@ def guessed(results: Path, name: str, seed: int) -> tuple[Colours, dict[SurfaceK
 
 
 def truths(results: Path, folders: list[Path]) -> Iterator[tuple[str, Colours, bool]]:
-    """Yield houses, the linear colours of their true materials or crops, and whether of crops."""
+    """Yield a house, the linear colours of its true materials or crops, and whether from crops."""
     if not (folders[0] / "truth").is_dir():
         for truth in map(read_truth, folders):
             images = {SurfaceKey(*key): image for key, image in truth.medoids.items()}

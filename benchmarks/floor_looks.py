@@ -1,10 +1,10 @@
-"""Floors as a person sees them: each beside the photo that shows most of it.
+"""Draw each floor beside the photo that shows most of it, to compare them by eye.
 
 python benchmarks/floor_looks.py HOUSE PHOTOS OUT          # OUT/{room_id}.png
 
-HOUSE is results/{dataset}/houses/{house}. The house is drawn without light from the photo's place;
-where that is not known, with its focal length from 1.5 m above the floor, along the longest way
-through the room.
+HOUSE is results/{dataset}/houses/{house}. The house is drawn without light from the position of
+the photo. If that is not known, it is drawn with the photo's focal length from 1.5 m above the
+floor, along the longest direction of the room.
 """
 
 import argparse
@@ -27,11 +27,11 @@ from plan2scene.stage_json import read_stage_json
 from plan2scene_app.pictures.renderer import Triangles, look_at
 
 HEIGHT_M, WIDTH = 1.5, 720
-MARGIN = 0.05  #: of the picture, shown around the floor
+MARGIN = 0.05  #: share of the picture's height that is shown above the floor
 
 
 def standing(camera: Camera, room: Room, lift: float) -> Camera:
-    """Return a photo's camera put into a room, where it looks along the floor."""
+    """Return the camera moved to one end of a room, looking along its longer side."""
     outline = np.array(room.rings[0])
     low, high = outline.min(axis=0), outline.max(axis=0)
     middle, long = 0.5 * (low + high), np.arange(2) == np.argmax(high - low)

@@ -1,15 +1,16 @@
-"""Patterns of floors against sizes measured by hand, and how much floors laid by them repeat.
+"""Compare patterns of floors with sizes measured by hand, and measure how much they repeat.
 
 ``python benchmarks/floor_patterns.py benchmarks/floors.csv FOLDER``
 
-Or ``... data/benchmark/truth/test results/benchmark/houses``: kinds of synthetic homes' floors.
+Or ``... data/benchmark/truth/test results/benchmark/houses``, for the kinds of floors of synthetic
+homes.
 
 The table has home, room_id, kind (planks, tiles, plain ...), width_m, length_m and direction (x or
-z of the plan); what is empty is not compared. A confidence is a probability
-that the kind is right: the mean of those right and wrong, and the mean square away (Brier). FOLDER
-has ``{home}/patterns.parquet``; homes that it has not are left out. Repetition
-(``repetition.py``) of 4 x 4 m of each pattern: as laid, of its joints alone (1 for any regular
-bond), between the joints, and there beyond the board itself, whose grain runs on.
+z of the plan); empty cells are not compared. FOLDER has ``{home}/patterns.parquet``; homes without
+it are left out. A confidence is the probability that the kind is right: printed are its means over
+right and wrong kinds, and the Brier score. Repetition (``repetition.py``) is that of 4 x 4 m of
+each pattern: as laid, of its joints alone (1 for any regular bond), without joints, and without
+joints at lags beyond one board (the grain of a board is like itself).
 """
 
 from __future__ import annotations
@@ -37,14 +38,14 @@ KINDS = {
     "marble": "tiles",
 }
 AXES = {"x": 0.0, "z": 90.0}
-#: Degrees within which a direction is right.
+#: Largest error of a right direction in degrees.
 WITHIN_DEG = 10.0
-#: Side of the floors whose repetition is measured, metres, and their pixels a metre.
+#: Side in metres of the floors whose repetition is measured, and their pixels per metre.
 SIDE_M, SHOWN_PX_PER_M = 4.0, 64.0
 
 
 def compared(truth: pd.Series, found: pd.Series | None) -> dict[str, object]:
-    """Return a floor's kind, relative errors and whether its direction is right."""
+    """Return the comparison of a floor: kinds, relative errors in %, rightness of direction."""
     row: dict[str, object] = {"floor": f"{truth.home}/{truth.room_id}", "true": truth.kind}
     if found is None:
         return {**row, "found": "plain", "right": truth.kind == "plain"}
@@ -59,9 +60,9 @@ def compared(truth: pd.Series, found: pd.Series | None) -> dict[str, object]:
 
 
 def of_synthetic(folder: Path) -> pd.DataFrame:
-    """Return the table of floors of synthetic homes: ``{home}/materials.json`` of a truth folder.
+    """Return the table of floors of synthetic homes, from ``{home}/materials.json``.
 
-    A material's size is that of its tile, which holds several units: it is not compared.
+    Sizes are not compared, because a material's size is that of a tile with several units.
     """
     rows = [
         {"home": file.parent.name, "room_id": name.partition("/")[0], "kind": KINDS[made["kind"]]}
@@ -74,7 +75,7 @@ def of_synthetic(folder: Path) -> pd.DataFrame:
 
 
 def repeats(pattern: LaidPattern) -> list[float]:
-    """Return the repetition of a laid floor, of joints alone, between joints, beyond a board."""
+    """Return the repetition of a laid floor: as laid, joints alone, no joints, beyond a board."""
     pattern = replace(pattern, direction_deg=0.0)
     flat = [np.full_like(unit, 127) for unit in pattern.units]
     variants = pattern, replace(pattern, units=flat), replace(pattern, joint=np.zeros(3))
@@ -106,7 +107,7 @@ def main() -> None:
         table = table[table["surface"] == "floor"].set_index("room_id")
         for _, truth in floors.iterrows():
             found = table.loc[truth.room_id] if truth.room_id in table.index else None
-            if found is not None or not synthetic:  # those have rooms without photos
+            if found is not None or not synthetic:  # synthetic homes have rooms without photos
                 rows.append(compared(truth, found))
         for pattern in read_patterns(file).values():
             name = f"{home}: {pattern.words}, {len(pattern.units)} units"

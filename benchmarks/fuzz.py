@@ -1,10 +1,10 @@
-"""Fuzzing of every reader of foreign bytes: ``python benchmarks/fuzz.py --cases 20000``.
+"""Fuzz every reader of input files: ``python benchmarks/fuzz.py --cases 20000``.
 
-Hypothesis damages whole files of each kind (tests/helpers/foreign.py): every registered plan
-format, tables, pictures, weights, configuration, what the workflow keeps. A case may be read or
-refused in one line within 20 s and 1.5 GB; anything else, silent nonsense and a crash too, is kept
-in ``--found`` under the reader's name and fails the command. One line for an exception that a
-reader did not foresee is counted by itself and kept.
+Hypothesis damages valid files of each kind (tests/helpers/foreign.py): every registered plan
+format, tables, pictures, weights, configuration, files that the workflow stores. A reader must read
+a case or refuse it with one line, within 20 s and 1.5 GB. Any other outcome, also silent nonsense
+or a crash, is stored in ``--found`` under the reader's name, and the command fails. A refusal by an
+exception that the reader did not expect ("unforeseen") is counted separately and stored, too.
 """
 
 import argparse
@@ -29,7 +29,7 @@ from hypothesis import HealthCheck, Phase, given, seed, settings  # noqa: E402
 
 HEAD = "| reader | cases | read | one line | unforeseen | other | slowest, s | peak memory, MiB |"
 OUTCOMES = ("read", "one line", "unforeseen", "other")
-#: Most seconds and bytes of a case.
+#: Limits of a case: seconds, and bytes of memory.
 SECONDS, BYTES = 20, 1_500_000_000
 PROCESSES = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
 
@@ -37,7 +37,7 @@ PROCESSES = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
 def fuzz(reader: Reader, cases: int, start: int, found: Path) -> tuple[Counter[str], float, float]:
     """Return a reader's outcomes, seconds of its slowest case, peak memory of its process in MiB.
 
-    After a crash another process goes on with the next seed.
+    After a crash a new process continues with the next seed.
     """
     context = multiprocessing.get_context("fork")
     seen: Counter[str] = Counter()
@@ -67,7 +67,7 @@ def fuzz(reader: Reader, cases: int, start: int, found: Path) -> tuple[Counter[s
 def work(
     reader: Reader, cases: int, start: int, found: Path, folder: Path, pipe: Connection
 ) -> None:
-    """Send outcome, seconds and peak memory of each case until now."""
+    """Send the outcome and seconds of each case, and the peak memory so far in MiB."""
     whole = reader.examples()
     ready = Reader(reader.name, lambda: whole, reader.read)
 
@@ -104,7 +104,7 @@ def work(
 
 
 def keep(reader: Reader, data: bytes, found: Path) -> Path:
-    """Write a case to look at."""
+    """Store a case for later inspection; return its path."""
     kept = found / reader.name / hashlib.sha256(data).hexdigest()[:12]
     kept.parent.mkdir(parents=True, exist_ok=True)
     kept.write_bytes(data)
@@ -112,16 +112,16 @@ def keep(reader: Reader, data: bytes, found: Path) -> Path:
 
 
 def too_long(*_: object) -> None:
-    """End a case, not as a fault that its reader could turn into a line."""
+    """End a case by an exception that its reader does not catch."""
     raise SlowCase
 
 
 class SlowCase(BaseException):
-    """A case takes longer than it may."""
+    """A case takes longer than `SECONDS`."""
 
 
 def main() -> None:
-    """Print the table; exit code 1 where anything but a house or one line came out."""
+    """Print the table; exit with code 1 if there was any outcome "other"."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cases", type=int, default=20_000, help="of all readers together")
     parser.add_argument("--only", nargs="+", help="the readers of these names")

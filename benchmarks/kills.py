@@ -1,11 +1,12 @@
-"""Kills at random moments: ``python benchmarks/kills.py --kills 100``.
+"""Kill the commands at random moments: ``python benchmarks/kills.py --kills 100``.
 
-Each round kills ``plan2scene run`` on the example plan and ``snakemake all`` on a house of the
-demo by two methods, the whole process group by SIGKILL, or every other time ``run`` alone by
-SIGTERM, SIGINT, SIGHUP or SIGKILL in turn. It counts what is left of it after 10 s, starts each by
-the same words until it is done and compares every file with an undisturbed run's. A row is all
-rounds until then. Kills fall within half the time of an undisturbed run: what is done stays done,
-so they meet every stage.
+The commands are ``plan2scene run`` on the example plan, and ``snakemake all`` on a house of the
+demo with two texture methods. In each round a command is started again and killed until it
+finishes; then every file is compared with that of an undisturbed run. SIGKILL goes to the whole
+process group; every other time, for ``run``, its process alone gets SIGTERM, SIGINT, SIGHUP or
+SIGKILL in turn. Processes that are left after 10 s are counted. A row sums up all rounds so far.
+Kills fall within half the time of an undisturbed run; finished steps stay done, so kills meet every
+stage.
 """
 
 import argparse
@@ -29,17 +30,17 @@ HEAD = (
     "| command | rounds | kills | undisturbed, s | files that differ | stray temporary files "
     "| orphans | refused |"
 )
-#: What a process gets alone, in turn.
+#: Signals that go to a single process, in turn.
 ALONE = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGKILL)
-#: What changes from run to run: pages and tables name no time, so only logs and records do.
+#: Files that differ between runs: only logs and records, because pages and tables have no time.
 OTHER = ("work",)
-#: Of the table, so that a round takes a minute and not four.
+#: Methods of the table; with these two a round takes one minute instead of four.
 METHODS = ["crop", "exemplar"]
 
 
 @dataclass
 class Seen:
-    """What became of a command in all rounds until now."""
+    """The counts for a command over all rounds so far."""
 
     command: str
     undisturbed_s: float
@@ -51,7 +52,7 @@ class Seen:
     refused: int = 0
 
     def add(self, hit: int, whole: dict[str, str], made: Path, but: tuple[str, ...] = ()) -> None:
-        """Count a round: kills that hit, files that are not those of an undisturbed run."""
+        """Count a round: kills that hit, and files that differ from those of an undisturbed run."""
         found = digests(made, but)
         self.kills += hit
         self.rounds += 1
@@ -66,7 +67,7 @@ class Seen:
 
 
 def run_rounds(base: Path, kills: int) -> Iterator[str]:
-    """Yield a row of ``plan2scene run`` after each round, until it was killed often enough."""
+    """Yield a row for ``plan2scene run`` after each round, until there were `kills` kills."""
     plan = CLONE / "resources" / "examples" / "plan.json"
     began = time.perf_counter()
     finished(house_command(plan, base / "whole"))
@@ -86,7 +87,7 @@ def run_rounds(base: Path, kills: int) -> Iterator[str]:
 
 
 def all_rounds(base: Path, kills: int) -> Iterator[str]:
-    """Yield a row of ``snakemake all`` after each round: users are told to unlock after a kill."""
+    """Yield a row for ``snakemake all`` after each round; like users, it unlocks after a kill."""
     command = [sys.executable, "-m", "snakemake", "--cores", "1", "all"]
     unlock = [*command[:3], "--unlock"]
     seen = Seen("snakemake all", 0.0)
@@ -118,7 +119,7 @@ def kills_of_a_round(
         if not killed(command, chance.uniform(0, seen.undisturbed_s / 2), sent, cwd=folder):
             break
         hit += 1
-        if hit % 3 == 0:  # the next run is started at once, or when nothing may be left
+        if hit % 3 == 0:  # every third time, wait and count what is left
             seen.orphans += orphans(folder)
         if unlock:
             subprocess.run(unlock, cwd=folder, check=False, capture_output=True)

@@ -1,14 +1,14 @@
-"""How well photos are found in the plan: headings, share located, distance from the true place.
+"""Measure how well photos are located in the plan: headings, share located, position errors.
 
-Below the table, how high ceilings are and how high photos say where the plan does not.
+Below the table are the true ceiling heights, and those that photos give without the plan's.
 
     python benchmarks/locate.py RESULTS --synthetic ROOT [--split test] [--masks own truth]
     python benchmarks/locate.py RESULTS --flat FOLDER [--flat FOLDER ...] [--masks own truth]
 
-``--without-rooms`` looks for each photo in all rooms, as for a photo table that names none;
-``--without-windows`` takes the windows from the plans, as many are drawn.
+``--without-rooms`` searches all rooms for each photo, as for a photo table without rooms;
+``--without-windows`` removes the windows from the plans, because many plans draw none.
 
-RESULTS (``results/{dataset}``) has the houses' scene.json and masks; only the place is looked for
+RESULTS (``results/{dataset}``) has the houses' scene.json and masks; only the location is computed
 anew. ROOT is a synthetic data set with truth (``docs/conventions.md``). A flat's FOLDER, named as
 its house, has ``gt/cameras.csv`` (photo, room_id, yaw_deg, x, y, z; forward is (cos, sin) of the
 yaw in (x, z)) and ``gt/masks`` (0 not known, 1 floor, 2 wall, 3 ceiling, 4 door or window).
@@ -44,14 +44,14 @@ from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.plans.usual_windows import with_usual_windows
 from plan2scene.stage_json import read_stage_json
 
-#: A heading nearer to the truth than this is right, degrees.
+#: A heading is right if its error is smaller than this, degrees.
 RIGHT_DEG = 30.0
 UNKNOWN = 255
 
 
 @dataclass(frozen=True)
 class Truth:
-    """Where a photo was taken: room, azimuth of the view (radians), position, true mask."""
+    """The true pose of a photo: room, azimuth of the view (radians), position; and its mask."""
 
     room_id: str
     azimuth: float
@@ -63,7 +63,7 @@ class Truth:
 
 @dataclass(frozen=True)
 class Found:
-    """How a photo was found; NaN and 0 where it has no frame. Right: room and heading."""
+    """The result for a photo; NaN and 0 if it has no pose. `right`: room and heading are right."""
 
     photo: str
     located: float
@@ -108,7 +108,7 @@ def locate_house(
     rooms_known: bool,
     windows_drawn: bool,
 ) -> list[Found]:
-    """Return how the photos of a house are found by their own masks or the true ones."""
+    """Return the results for the photos of a house, located by their own masks or true ones."""
     folder = results / "houses" / name
     house = read_scene_json(folder / "scene.json", name)
     if not windows_drawn:
@@ -149,7 +149,7 @@ def locate_house(
 
 
 def without_windows(house: House) -> House:
-    """Return a house as a plan that draws no window has it."""
+    """Return a house without its windows, like a plan that draws none."""
     walls = (
         replace(wall, openings=tuple(o for o in wall.openings if o.kind != "window"))
         for wall in house.walls
@@ -158,7 +158,7 @@ def without_windows(house: House) -> House:
 
 
 def ceilings(results: Path, name: str, truths: Mapping[str, Truth], *, rooms_known: bool) -> str:
-    """Return a line: how high a house is, and how high its photos say, metres."""
+    """Return a line: the ceiling height of a house, and that found by its photos, metres."""
     folder = results / "houses" / name
     house = read_scene_json(folder / "scene.json", name)
     rooms = {photo: [truth.room_id] * rooms_known for photo, truth in truths.items()}

@@ -1,10 +1,9 @@
-"""Damaged and odd images: what each gives, and the memory that reading it takes.
+"""Read damaged and odd images; print each result and the memory that reading takes.
 
 ``python benchmarks/odd_images.py``
 
-The files are those of tests/plan2scene/test_odd_images.py. Each is read in a process of its own
-that may map at most 400 MB beyond what it has before; the masks stage then takes them all as one
-house.
+The files are those of tests/plan2scene/test_odd_images.py. Each is read in its own process, which
+may map at most 400 MB more than before; then the masks stage takes all files as one house.
 """
 
 from __future__ import annotations
@@ -41,7 +40,7 @@ print((peak() - before) // 1024, what)
 
 
 def cases() -> ModuleType:
-    """Return the module of the tests, which makes the files."""
+    """Return the test module, which makes the files."""
     path = Path(__file__).parents[1] / "tests" / "plan2scene" / "test_odd_images.py"
     spec = importlib.util.spec_from_file_location("odd_images_cases", path)
     if spec is None or spec.loader is None:
@@ -52,7 +51,7 @@ def cases() -> ModuleType:
 
 
 def write_files(folder: Path) -> list[Path]:
-    """Write every case into `folder`, a folder named like a photo too; return the paths."""
+    """Write every case into `folder`, and a folder named like a photo; return the paths."""
     made = cases()
     files = {name: make() for name, (make, *_) in (made.WORKS | made.FAILS).items()}
     files |= made.bombs()
@@ -66,7 +65,7 @@ def write_files(folder: Path) -> list[Path]:
 
 
 def main() -> None:
-    """Print a line per file, then what the masks stage did with all of them."""
+    """Print a line for each file, then the result of the masks stage for all of them."""
     from plan2scene.photos.labels.labeller import labeller
     from plan2scene.photos.masks import make_masks
     from plan2scene.weights import MODELS
@@ -90,7 +89,7 @@ def main() -> None:
             print(f"| {path.name} | {what} | {megabytes} |")
         print(f"\n{len(paths)} files, {crashed} crashed, at most {most} MB more than before")
         logging.getLogger("plan2scene").setLevel(logging.ERROR)
-        stems = {path.stem: path for path in paths}  # two photos of one stem are refused
+        stems = {path.stem: path for path in paths}  # two photos with the same stem are refused
         warnings = make_masks(
             {path.name: path for path in stems.values()},
             partial(labeller, "embedded", model=MODELS / "segmentation.safetensors"),

@@ -1,4 +1,4 @@
-"""Reads plans that are none, or too much, by the command line, for docs/measurements/robustness.md.
+"""Read files that are no plans or too large with the command line, for robustness.md of the docs.
 
 python benchmarks/odd_plans.py
 """
@@ -27,7 +27,7 @@ LAUGHS = "<!DOCTYPE h [<!ENTITY a 'aaaaaaaaaa'>{}]>".format(
 
 
 def zip_bomb(path: Path) -> None:
-    """Write 2 GB of blanks as a Home.xml of 2 MB."""
+    """Write an archive of 2 MB with a Home.xml of 2 GB of blanks."""
     with (
         zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive,
         archive.open("Home.xml", "w", force_zip64=True) as entry,
@@ -37,13 +37,13 @@ def zip_bomb(path: Path) -> None:
 
 
 def laughing_home(path: Path) -> None:
-    """Write entities in entities, a billion letters."""
+    """Write a Home.xml with nested entities that expand to a billion letters."""
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("Home.xml", f"{LAUGHS}<home name='&i;'/>")
 
 
 def laughing_svg(path: Path) -> None:
-    """Write the same as a drawing."""
+    """Write the same entities as an SVG drawing."""
     path.write_text(f"{LAUGHS}<svg><g class='Space Bath'><text>&i;</text></g></svg>")
 
 
@@ -62,7 +62,7 @@ def solid_dxf(path: Path) -> None:
 
 
 def empty_ifc(path: Path) -> None:
-    """Write a model of a project and nothing else."""
+    """Write a model that has a project and nothing else."""
     import ifcopenshell
 
     model = ifcopenshell.file(schema="IFC4")
@@ -71,7 +71,7 @@ def empty_ifc(path: Path) -> None:
 
 
 def photo(path: Path) -> None:
-    """Take a photo of the demo for a plan."""
+    """Write a photo of the demo in place of a plan."""
     source = next((ROOT / "resources/demo/photos").glob("*.jpg"))
     path.write_bytes(source.read_bytes())
 
@@ -83,7 +83,7 @@ def large_picture(path: Path) -> None:
 
 
 def huge_picture(path: Path) -> None:
-    """Write an empty page of 20,000 x 20,000 pixels, one bit each."""
+    """Write an empty page of 20,000 x 20,000 pixels of one bit."""
     Image.new("1", (20_000, 20_000), 1).save(path)
 
 
@@ -101,7 +101,7 @@ def letter(path: Path) -> None:
     write_png(path, image)
 
 
-#: What it is: the file's name, who writes it, the command that reads it.
+#: Name of the case: the file's name, the function that writes it, the command that reads it.
 CASES: dict[str, tuple[str, Callable[[Path], None], str]] = {
     "zip bomb (2 GB in 2 MB)": ("home.sh3d", zip_bomb, "check"),
     "XML entities, Sweet Home 3D": ("home.sh3d", laughing_home, "check"),
@@ -116,7 +116,7 @@ CASES: dict[str, tuple[str, Callable[[Path], None], str]] = {
 }
 
 
-#: Runs the command line in a folder and writes the most memory that it held.
+#: Runs the command line in a folder and writes the peak of its memory to a file.
 PROGRAM = """
 import atexit, os, sys
 from pathlib import Path
@@ -130,7 +130,7 @@ main()
 
 
 def run(command: str, plan: Path, folder: Path) -> tuple[int, str, float, float]:
-    """Return exit code, line of the fault, seconds and peak MiB of a command on a plan."""
+    """Return exit code, error line, seconds and peak MiB of a command on a plan."""
     arguments = [command, plan.name, *(["--out", "out/plan.json"] if command == "trace" else [])]
     started = time.perf_counter()
     done = subprocess.run(

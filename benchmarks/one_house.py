@@ -1,10 +1,10 @@
-"""How long a house takes by ``plan2scene run``, on one core and on two.
+"""Measure the time of ``plan2scene run`` for a house, on one core and on two.
 
     python benchmarks/one_house.py --rounds 3
 
-Seven photos of the demo's house that has the most, and the same house with its photos again and
-again under other names, enlarged to what phones and cameras give (a stand-in for a home of 57
-photos). A row is a house and a number of cores: median seconds by the clock and of processors.
+There are two inputs: seven photos of the demo house that has the most photos, and the same house
+with 57 photos (copies of these, enlarged to 1024 x 768 as from phones and cameras). A row of the
+table is an input and a number of cores: median wall-clock and processor seconds.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def demo_house() -> tuple[Path, list[tuple[str, str]]]:
 
 
 def make_input(folder: Path, n_photos: int, size: tuple[int, int] | None) -> list[str]:
-    """Lay a table of `n_photos` and its photos; return the words that name them."""
+    """Write a table of `n_photos` and its photos; return the command's arguments for them."""
     plan, listed = demo_house()
     photos = sorted({photo for _, photo in listed})
     (folder / "photos").mkdir(parents=True)
@@ -56,12 +56,12 @@ def make_input(folder: Path, n_photos: int, size: tuple[int, int] | None) -> lis
 
 
 def took(words: list[str], cores: int) -> tuple[float, float]:
-    """Make the house once; return seconds by the clock and of processors."""
+    """Make the house once; return wall-clock and processor seconds."""
     program = [sys.executable, "-c", "from plan2scene_app.cli import main; main()", "run"]
     with tempfile.TemporaryDirectory() as out:
         before, start = os.times(), time.perf_counter()
         command = [*program, *words, "--out", f"{out}/house", "--cores", str(cores), "--quiet"]
-        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)  # the files that it lists
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)  # the list of its files
         wall, after = time.perf_counter() - start, os.times()
     used = after.children_user + after.children_system
     return wall, used - before.children_user - before.children_system

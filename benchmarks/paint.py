@@ -1,10 +1,11 @@
-"""How far the colours of a data set's textures are from its true materials.
+"""Measure the colour errors of a data set's textures against its true materials.
 
 python benchmarks/paint.py results/demo resources/demo
 
-Textures in the photos' colours (drop 0.0 of `house.method`), and those in paint that the house
-shows. CIEDE2000 of median colours, mean over the surfaces that photos show: by kind of surface,
-and of walls and ceilings by what the true paint is (:func:`paint_class`).
+It compares textures in the photos' colours (drop 0.0 of `house.method`), and the house's final
+textures in paint colours. The error is CIEDE2000 of median colours, mean over the surfaces that
+photos show: by kind of surface, and for walls and ceilings by class of the true paint
+(:func:`paint_class`).
 """
 
 import sys
@@ -26,7 +27,7 @@ def lab_of(path: Path) -> np.ndarray:
 
 
 def paint_class(lab: np.ndarray) -> str:
-    """Return which of `CLASSES` a paint is."""
+    """Return the class of a paint, one of `CLASSES`."""
     chroma = np.hypot(lab[1], lab[2])
     if lab[0] < 45:
         return "dark"

@@ -1,4 +1,4 @@
-"""How far rectified planes and their scale are off, against the truth of a synthetic photo."""
+"""Errors of rectified planes and their scale against the truth of a synthetic photo."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from plan2scene.photos.planes.planes import Plane
 from plan2scene.photos.planes.rectification import plane_axes
 from plan2scene.photos.planes.walls import PLANES
 
-#: Half the side of a checker, metres, and how many are laid on a plane at most.
+#: Half the side of a checker square in metres, and the number of squares on a plane.
 HALF_CHECKER_M = 0.1
 CHECKERS = 9
-#: Smallest plane looked at, share of the photo's pixels.
+#: Smallest plane that is measured, as a share of the photo's pixels.
 MIN_SHARE = 0.01
 
 
@@ -26,9 +26,10 @@ MIN_SHARE = 0.01
 class PlaneError:
     """Errors of one true plane of a photo.
 
-    `square_deg`: largest angle by which the lines of a checker on it miss a right angle once
-    rectified; `direction_deg`: largest angle to the rectified image's axes (up to quarter turns);
-    `distance`: estimated over true distance from the camera, minus 1.
+    `square_deg`: largest deviation from a right angle between the lines of a checker square on the
+    plane after rectification; `direction_deg`: largest angle of these lines to the rectified
+    image's axes (up to quarter turns); `distance`: estimated over true distance from the camera,
+    minus 1.
     """
 
     photo: str
@@ -46,7 +47,7 @@ def plane_errors(
     estimate: Camera,
     planes: list[Plane],
 ) -> Iterator[PlaneError]:
-    """Yield the errors of every true plane that an estimated one covers.
+    """Yield the errors of every true plane of which an estimated plane covers a quarter or more.
 
     `truth` is the photo's entry of ``cameras.json``, `plane_file` its image of plane indices.
     """
@@ -84,7 +85,7 @@ def _checkers(
     plane: Plane,
     pixels: np.ndarray,
 ) -> tuple[float, float]:
-    """Return the largest angles off square and off the axes; NaN where all is too oblique."""
+    """Return the largest angle errors (square, axes); NaN if the plane is seen too obliquely."""
     rays = camera.rays(pixels)
     steep = -(rays @ normal) > np.sin(np.radians(PLANES.min_grazing_deg))
     if not steep.any():
@@ -110,5 +111,5 @@ def _checkers(
 
 
 def _off_quarter(angle_deg: float) -> float:
-    """Return the distance of an angle to the next multiple of 90 degrees."""
+    """Return the distance of an angle to the nearest multiple of 90 degrees."""
     return float(abs((angle_deg + 45.0) % 90.0 - 45.0))

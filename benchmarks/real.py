@@ -1,12 +1,12 @@
-"""All figures of real flats: places, light, crops and materials, unseen surfaces.
+"""Print all figures of real flats: locations, light, crops and materials, unseen surfaces.
 
     python benchmarks/real.py WORK FLAT... [--masks network true] [--seeds 0 1 2]
 
-FLAT is a house folder as of `real_house.py` with ``gt/cameras.csv`` as of `locate.py`. The scripts
-that measure one thing each run one after the other, below WORK, and print their tables: of each
-kind of masks the whole command by every seed, the first seed last; places, errors by surface and
-predictors are of that one. Verdicts on windows, substances and materials are printed of flats that
-`windows.csv` and `substances.csv` name.
+FLAT is a house folder as for `real_house.py`, with ``gt/cameras.csv`` as for `locate.py`. The
+scripts for single measurements run one after the other in WORK and print their tables. For each
+kind of masks, the whole command runs with every seed, with the first seed last; locations, errors
+by surface and predictors use the results of that seed. Tables of windows, substances and materials
+are printed for the flats that are in `windows.csv` and `substances.csv`.
 """
 
 from __future__ import annotations
@@ -27,15 +27,15 @@ SUBSTANCES, WINDOWS = HERE / "substances.csv", HERE / "windows.csv"
 
 
 def flats_of(table: Path) -> set[str]:
-    """Return the flats that a CSV of verdicts names."""
+    """Return the flats in a CSV of judgements."""
     with table.open(newline="") as file:
         return {row["flat"] for row in csv.DictReader(file)}
 
 
 def one_floors() -> dict[str, list[str]]:
-    """Return each flat's floors of one substance, as `real_house.py --one` wants them.
+    """Return the groups of floors of one substance in each flat, for `real_house.py --one`.
 
-    In the flats of the table floors of one substance are one material.
+    In the flats of the table, floors of one substance are one material.
     """
     rooms: dict[tuple[str, str], list[str]] = {}
     for (flat, room, surface), substance in read_seen(SUBSTANCES).items():
@@ -49,7 +49,7 @@ def one_floors() -> dict[str, list[str]]:
 
 
 def configuration(work: Path, name: str, values: dict[str, object]) -> Path:
-    """Write a configuration file that says how one run differs; return its path."""
+    """Write a configuration file with the values of one run; return its path."""
     path = work / f"{name}.yaml"
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(yaml.safe_dump(values))
@@ -59,7 +59,7 @@ def configuration(work: Path, name: str, values: dict[str, object]) -> Path:
 def whole_command(
     work: Path, flats: list[Path], masks: str, seeds: list[int]
 ) -> Iterator[tuple[str, list[str]]]:
-    """Yield headings and commands that make and measure the flats by one kind of masks."""
+    """Yield headings and commands that make and measure the flats with one kind of masks."""
     groups = one_floors()
     one = [group for flat in flats for group in groups.get(flat.name, ())]
     folders = [str(flat) for flat in flats]
@@ -75,7 +75,7 @@ def whole_command(
 def commands(
     work: Path, flats: list[Path], masks: list[str], seeds: list[int]
 ) -> Iterator[tuple[str, list[str]]]:
-    """Yield a heading and a command, the script and its arguments, of every table."""
+    """Yield the heading and the command (script and arguments) of every table."""
     folders = [str(flat) for flat in flats]
     for kind in masks:
         yield from whole_command(work, flats, kind, seeds)

@@ -1,4 +1,4 @@
-"""Colours of real houses against true crops: light, what photos show and what they do not.
+"""Compare the colours of real houses with true crops, for seen and unseen surfaces.
 
     python benchmarks/real_house.py WORK HOUSE_FOLDER... [--masks network|true]
         [--configfile FILE ...] [--one FOLDER:floor:living,hall ...] [--brief]
@@ -6,16 +6,16 @@
 A house folder holds ``scene/*.scene.json``, ``photo_assignments/*.photoroom.csv``, ``photos/``,
 ``unobserved_photos.json`` and under ``gt/`` label masks of the photos (1 floor, 2 wall, 3 ceiling,
 anything else other) and true crops ``{room}/{surface}_{k}.png`` with ``index.csv`` (``room_id,
-surface, k, medoid``). The workflow makes the houses below WORK, all as one data set; nothing is
-written beside the input. Further configuration files come last.
+surface, k, medoid``). The workflow makes the houses in WORK, all as one data set; nothing is
+written into the house folders. Configuration files of --configfile override all others.
 
-A tile is compared with the medoid true crop of its surface: CIEDE2000 of the median colours, as
-they are and after one gain (three factors on linear RGB, the median over surfaces) for all tiles
-of a house, COLOR as in the paper. Yardsticks, as they are: "others" is the mean colour of the true
-crops of that kind in the other rooms; "crop" is another true crop; "house" the mean colour that
-the house's photos show of that kind at that drop. Spread: CIEDE2000 of a surface's colour in each
-photo to its mean over photos. Burnt: share of the tiles' pixels at 250 or more in all channels
-beyond the share in the photos' own crops of that surface.
+A tile is compared with the medoid true crop of its surface: CIEDE2000 of the median colours, both
+without any gain and after one gain (three factors on linear RGB, the median over surfaces) for all
+tiles of a house; and COLOR as in the paper. Baselines without gain: "others" is the mean colour of
+the true crops of the same kind in the other rooms; "crop" is another true crop; "house" is the mean
+colour of that kind in the house's photos at that drop. Spread: CIEDE2000 of a surface's colour in
+each photo to its mean over photos. Burnt: share of the tiles' pixels at 250 or more in all
+channels, minus that share in the photos' own crops of the surface.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ BURNT = 250
 
 @dataclass(frozen=True)
 class Truth:
-    """A house folder: its id and true crops (128, 128, 3) uint8 by (room, surface)."""
+    """A house folder with the house's id and true crops (128, 128, 3) uint8 by (room, surface)."""
 
     folder: Path
     house: str
@@ -81,7 +81,7 @@ def read_truth(folder: Path) -> Truth:
 
 
 def lay_out(houses: list[Truth], work: Path, masks: str) -> Path:
-    """Write the houses as one data set below `work`; return the configuration."""
+    """Write the houses as one data set in `work`; return the path of its configuration."""
     root, hidden, rows = work / "data", {}, []
     (root / "photos").mkdir(parents=True, exist_ok=True)
     for truth in houses:
@@ -113,7 +113,7 @@ def lay_out(houses: list[Truth], work: Path, masks: str) -> Path:
 
 
 def make(houses: list[Truth], work: Path, config: list[Path], jobs: int) -> None:
-    """Run the workflow for all tiles that are compared."""
+    """Run the workflow to make all tiles for the comparison."""
     targets = [
         f"results/{DATASET}/drop_{drop}/{METHOD}/{truth.house}/textures"
         for truth in houses
@@ -131,7 +131,7 @@ def difference(colour: np.ndarray, other: np.ndarray) -> float:
 
 
 def one_gain(pairs: list[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
-    """Return factors (3,) on linear RGB, the median over (tile, true crop) pairs."""
+    """Return factors (3,) on linear RGB: the median over (tile, true crop) pairs."""
     logs = [
         [np.log(np.median(srgb_to_linear(i).reshape(-1, 3), axis=0) + 1e-4) for i in pair]
         for pair in pairs
@@ -140,7 +140,7 @@ def one_gain(pairs: list[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
 
 
 def compared(truth: Truth, results: Path, drop: str) -> pd.DataFrame:
-    """Return a row for each surface with a true crop: errors and yardsticks."""
+    """Return a row with errors and baselines for each surface with a true crop."""
     folder = results / f"drop_{drop}" / METHOD / truth.house / "textures"
     entries = read_json(folder / "textures.json")["surfaces"]
     made = {k: metric_image(read_image(folder / f"{k[0]}_{k[1]}.png")) for k in truth.medoids}
@@ -179,7 +179,7 @@ def compared(truth: Truth, results: Path, drop: str) -> pd.DataFrame:
 
 
 def light_figures(truth: Truth, results: Path, table: pd.DataFrame) -> dict[str, Any]:
-    """Return the spread of surfaces' colours over photos, raw and corrected, gains, burnt share."""
+    """Return gains, spread of surface colours over photos (raw and corrected), burnt share."""
     house = results / "houses" / truth.house
     light = read_json(house / "light.json")
     crops, _ = read_parquet(house / "crops.parquet")
@@ -227,9 +227,10 @@ def markdown(rows: list[dict[str, Any]]) -> str:
 def colour_rows(
     name: str, table: pd.DataFrame, drop: str, *, brief: bool = False
 ) -> list[dict[str, Any]]:
-    """Return the means of the surfaces by what photos show of them and by kind.
+    """Return the means over surfaces, by whether photos show them (at this drop) and by kind.
 
-    In brief those of all surfaces by kind, and of the unseen ones where photos are hidden.
+    With hidden photos (drop above 0) only unobserved surfaces count. If `brief`, only the means
+    over all surfaces by kind are returned, or with hidden photos that over all unobserved ones.
     """
     rows = []
     columns = ("as_is", "one_gain", "color", "others", "crop", "house", "house_color")

@@ -1,12 +1,12 @@
-"""Which surfaces of real flats are said to be one material, against what was seen.
+"""Measure which surfaces of real flats are rightly joined as one material.
 
 ``python benchmarks/real_materials.py RESULTS FLAT... [--substances CSV]``
 
 RESULTS is a data set's folder of results, FLAT a folder named as its house. The CSV
-(``benchmarks/substances.csv``) has what each surface is of as seen by eye; in the flats it names
-surfaces of one kind and substance are one material, all walls of a flat one white paint in light
-that makes them 2 to 30 dE2000 apart. A pair is two rooms' surfaces of one kind, both with crops;
-it is joined when ``materials.parquet`` gives both one material.
+(``benchmarks/substances.csv``) has the substance of each surface as judged by eye. In its flats,
+all surfaces of one kind and substance are one material; for example, all walls of a flat have one
+white paint, but light makes them differ by 2 to 30 dE2000. A pair is two surfaces of one kind in
+two rooms, both with crops. It is joined if ``materials.parquet`` gives both the same material.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ Surface = tuple[str, str]  # room, surface
 
 
 def pairs(results: Path, house: str, seen: dict[Surface, str]) -> Counter[tuple[str, bool, bool]]:
-    """Return how many pairs there are by kind, by whether they are one material, and joined."""
+    """Return the number of pairs by kind, by whether they are truly one material, and joined."""
     table, _ = read_parquet(results / "drop_0.0" / house / "materials.parquet")
     joined = {(row.room_id, row.surface): row.material for row in table.itertuples()}
     crops, _ = read_parquet(results / "houses" / house / "crops.parquet")

@@ -1,12 +1,13 @@
-"""Unseen surfaces of real houses by every predictor.
+"""Measure the errors of every predictor on unseen surfaces of real houses.
 
     python benchmarks/real_propagation.py HOUSE_FOLDER... [--work WORK] [--weights FILE ...]
 
 House folders are those of `real_house.py`. A share of a house's rooms, or of its surfaces, is
-hidden, by several seeds; what predictors say of the hidden ones is compared with their true crops:
-CIEDE2000 of the median colours, as they are, mean over surfaces and its standard deviation over
-seeds. What is visible is told by true crops, and with WORK, which `real_house.py` made, by what the
-houses' own photos gave (crops, and colours of all pixels), which `house` alone makes use of.
+hidden, by several seeds. Predictions of the hidden surfaces are compared with their true crops:
+CIEDE2000 of the median colours, without any gain; mean over surfaces, standard deviation over
+seeds. Visible surfaces are described by their true crops. With WORK, the results of
+`real_house.py`, they are also described by the houses' own photos: crops, and colours of all
+pixels, which only the predictor `house` uses.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ SEEDS = range(8)
 
 
 def by_true_crops(truth: Truth) -> HouseGraph:
-    """Return the graph of a house whose surfaces with a true crop are observed by it."""
+    """Return the graph of a house in which surfaces with a true crop are observed."""
     model = load_texture_model(MODELS / "texture.safetensors")
     codes = embed_crops(model, np.stack(list(truth.medoids.values())), textureness=False).codes
     plan = read_scene_json(next(truth.folder.glob("scene/*.scene.json")), truth.house)
@@ -44,7 +45,7 @@ def by_true_crops(truth: Truth) -> HouseGraph:
 
 
 def by_photos(truth: Truth, results: Path) -> tuple[HouseGraph, HouseColours]:
-    """Return the graph of what the house's photos gave, and what they show of all surfaces."""
+    """Return the graph observed by the house's photos, and the colours of all surfaces in them."""
     table, _ = read_parquet(results / "drop_0.0" / truth.house / "surfaces.parquet")
     observed = {SurfaceKey(r.room_id, r.surface): r.embedding for r in table.itertuples()}
     plan = read_scene_json(results / "houses" / truth.house / "scene.json", truth.house)
@@ -54,7 +55,7 @@ def by_photos(truth: Truth, results: Path) -> tuple[HouseGraph, HouseColours]:
 
 
 def hidings(graph: HouseGraph, share: float, rooms: bool) -> Iterator[np.ndarray]:
-    """Return which surfaces are hidden, (n, 3) bool, for each seed: whole rooms or single ones."""
+    """Yield the hidden surfaces, (n, 3) bool, of each seed: whole rooms or single surfaces."""
     shape = graph.observed.shape
     for seed in SEEDS:
         rng = generator(seed, "hidden", rooms)
@@ -70,7 +71,7 @@ def errors(
     hidden: np.ndarray,
     weights: list[Path],
 ) -> dict[str, float]:
-    """Return the mean CIEDE2000 of the hidden surfaces by each predictor and weights."""
+    """Return the mean CIEDE2000 of the hidden surfaces for each predictor and weights file."""
     kept = graph.observed & ~hidden
     visible = replace(graph, observed=kept, embeddings=graph.embeddings * kept[..., None])
     seen = None if shown is None else replace(shown, photos=shown.photos * ~hidden)

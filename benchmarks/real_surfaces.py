@@ -1,15 +1,14 @@
-"""Where the colours of real houses go wrong, surface by surface.
+"""Find the step at which the colours of real houses go wrong, for each surface.
 
     python benchmarks/real_house.py WORK HOUSE_FOLDER...
     python benchmarks/real_surfaces.py WORK HOUSE_FOLDER... [--every]
 
-WORK holds what `real_house.py` made. All figures are CIEDE2000 to the median colour of the medoid
-true crop, as they are. "true mask": the usual colour of the photos' pixels on the true labels of
-the room's own photos, which is what no labels could better. "own mask": the same on the labels and
-places that were used. "together": when all surfaces are solved for together. "tile": what
-came of it. "crops", "best crop": mean colour of the kept crops, and the nearest one of them. "best
-photo": the usual colour of what one photo shows, the nearest one; what a choice among photos could
-reach that knew the answer.
+WORK holds the results of `real_house.py`. All figures are CIEDE2000 to the median colour of the
+medoid true crop, without any gain. "true mask": the usual colour of the pixels on the true labels
+of the room's own photos, a bound for all labels. "own mask": the same with the labels and camera
+poses that were used. "together": the colour after all surfaces are solved jointly. "tile": the
+final tile. "crops", "best crop": the mean colour of the kept crops, and the nearest of them. "best
+photo": the usual colour in the nearest single photo, a bound for any choice among photos.
 """
 
 from __future__ import annotations
@@ -33,7 +32,7 @@ from plan2scene.paint.observations import (
     usual_colour,
 )
 
-MIN_SHARE = 0.002  # of a photo, of what the true labels show of a surface
+MIN_SHARE = 0.002  # smallest share of a photo that must have a surface's true label
 COLUMNS = ("true mask", "own mask", "best photo", "together", "tile", "crops", "best crop")
 
 
@@ -57,7 +56,7 @@ def of_true_masks(truth: Truth) -> dict[tuple[str, str], np.ndarray]:
 
 
 def of_photos(colours: Path) -> dict[tuple[str, str], list[np.ndarray]]:
-    """Return the usual sRGB (3,) that each photo shows of each surface."""
+    """Return the usual sRGB (3,) of each surface in each photo that shows it."""
     seen, _ = read_colours(colours, ())
     found: dict[tuple[str, str], list[np.ndarray]] = {}
     for key, planes in seen.items():

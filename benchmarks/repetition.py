@@ -1,23 +1,23 @@
-"""How much a surface repeats itself, and how sharp it is: of whole surfaces, not of tiles."""
+"""Measures of how much a whole surface (not a tile) repeats itself, and of its sharpness."""
 
 from __future__ import annotations
 
 import cv2
 import numpy as np
 
-#: Lags nearer than this are no repetition, metres: neighbours are alike in every texture.
+#: Smallest lag in metres that counts as repetition: near points are alike in every texture.
 NEAREST_M = 0.25
-#: Variations slower than this are light and wear, metres.
+#: Variations over more metres than this are light and wear; they are removed.
 SLOW_M = 0.5
-#: From so many cycles a metre on detail is what one sees from near.
+#: Lowest frequency of fine detail, which is visible from near, in cycles per metre.
 FINE = 32.0
 
 
 def repetition(image: np.ndarray, px_per_m: float, run_m: tuple[float, float] = (0, 0)) -> float:
     """Return the highest normalised autocorrelation of a surface at a lag beyond `NEAREST_M`.
 
-    1 for what repeats exactly; a lattice of equal tiles comes near it with any content. Lags go to
-    half the image's sides.
+    It is 1 for an exact repetition, and near 1 for a grid of equal tiles with any content. Lags go
+    up to half of the image's sides.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def repetition(image: np.ndarray, px_per_m: float, run_m: tuple[float, float] = 
         sRGB.
     px_per_m : float
     run_m : (float, float)
-        Lags along x and down, metres, that are left out together: a board is like itself.
+        Lags up to these along x and down, metres, are left out: a board is like itself.
     """
     grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY).astype(np.float32)
     values = grey - cv2.GaussianBlur(grey, (0, 0), SLOW_M * px_per_m / 2)
@@ -47,9 +47,9 @@ def repetition(image: np.ndarray, px_per_m: float, run_m: tuple[float, float] = 
 
 
 def fine_power(image: np.ndarray, px_per_m: float, most: float = np.inf) -> float:
-    """Return the power of a surface's grey values from `FINE` to `most` cycles a metre.
+    """Return the power of a surface's grey values from `FINE` to `most` cycles per metre.
 
-    In squared sRGB levels, by a Hann window; NaN where the image resolves no such detail.
+    It is in squared sRGB levels, with a Hann window; NaN if the image resolves no such detail.
     """
     grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY).astype(np.float64)
     window = np.outer(*(np.hanning(n + 2)[1:-1] for n in grey.shape))

@@ -1,12 +1,12 @@
-"""Rooms at eye level before and after, in pairs from the same place.
+"""Draw rooms at eye level before and after, in pairs from the same position.
 
     python benchmarks/room_pairs.py results/demo docs/pictures/rooms.jpg HOUSE/ROOM...
     python benchmarks/room_pairs.py results/demo docs/pictures/surfaces.jpg --lit HOUSE/ROOM...
 
-After, on the right, is what `rooms.jpg` shows. Before, on the left, is the first version's house:
-the tiles that the metrics read repeated, no light, nothing but floors, walls, ceilings, doors and
-windows. With `--lit` it differs by the tiles alone. OUT of `plan2scene run` goes, too:
-`python benchmarks/room_pairs.py OUT pairs.jpg ROOM...`.
+The right picture (after) is like those of a house's `rooms.jpg`. The left one (before) is like the
+first version's house: repeated tiles (those that the metrics read), no light, and only floors,
+walls, ceilings, doors and windows. With `--lit` only the tiles differ. The first argument may also
+be OUT of `plan2scene run`: `python benchmarks/room_pairs.py OUT pairs.jpg ROOM...`.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ LATER = frozenset({"skirting", "object", "railing", "stairs"})
 
 
 def files(results: Path, house_id: str) -> tuple[Path, Path]:
-    """Return a house's scene.json and its textures, of a data set or of one house."""
+    """Return the paths of a house's scene.json and textures, in a data set or a single house."""
     if not house_id:
         return results / "house.scene.json", results / "textures"
     textures = results / "drop_0.0" / METHOD / house_id / "textures"
@@ -42,7 +42,7 @@ def files(results: Path, house_id: str) -> tuple[Path, Path]:
 
 
 def pair(results: Path, house_id: str, room_id: str, *, lit: bool) -> np.ndarray:
-    """Return one room twice, (h, 2 w + gap, 3) uint8 sRGB."""
+    """Return the pair of pictures of one room, (h, 2 w + gap, 3) uint8 sRGB."""
     scene, folder = files(results, house_id)
     house = read_scene_json(scene, house_id or "house")
     parts = assemble(house).parts

@@ -1,11 +1,10 @@
-"""What the workflow's plan costs for N houses: seconds and memory of `snakemake -n all`.
+"""Measure the cost of planning the workflow for N houses: time and memory of `snakemake -n all`.
 
     python benchmarks/scale.py --houses 6 100 1000 5000 --finished 1000
 
-Each data set is the demo's houses again and again under other names, its files links. A finished
-run is one whose outputs are empty files that `snakemake --touch` has taken as made, with what is
-recorded of every job; its row is another `snakemake -n all`, which finds nothing to do. Linux only
-(/proc).
+Each data set repeats the demo's houses under other names; its files are links. In a finished run
+the outputs are empty files that `snakemake --touch` has marked as made, with the records of every
+job. Its row measures another `snakemake -n all`, which finds nothing to do. Linux only (/proc).
 """
 
 from __future__ import annotations
@@ -31,7 +30,7 @@ COLUMNS = ("house", "split", "plan", "assignment", "photos")
 
 @dataclass(frozen=True)
 class Cost:
-    """What a command took: seconds by the clock and of processors, peak MiB of one process."""
+    """The cost of a command: wall-clock and processor seconds, peak MiB of one process."""
 
     wall: float
     processor: float
@@ -39,7 +38,7 @@ class Cost:
 
 
 def make_data_set(root: Path, n_houses: int) -> None:
-    """Lay a data set of `n_houses` under `root`; photos, plans and tables are links."""
+    """Write a data set of `n_houses` under `root`; photos, plans and tables are links."""
     lines = (DEMO / "houses.tsv").read_text().splitlines()
     header = lines[0].split("\t")
     demo = [dict(zip(header, line.split("\t"), strict=True)) for line in lines[1:]]
@@ -67,7 +66,7 @@ def make_data_set(root: Path, n_houses: int) -> None:
 
 
 def _link(source: Path, target: Path) -> None:
-    """Link one file to another, by inode where the file system can."""
+    """Link one file to another: a hard link if the file system can, else a symbolic link."""
     target.parent.mkdir(parents=True, exist_ok=True)
     try:
         os.link(source, target)
@@ -85,7 +84,7 @@ def make_config(folder: Path) -> Path:
 
 
 def snakemake(folder: Path, *arguments: str) -> tuple[Cost, str]:
-    """Run Snakemake in `folder`; return what it took and what it printed."""
+    """Run Snakemake in `folder`; return its cost and its output."""
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile")]
     command += ["--directory", str(folder), "--configfile", str(folder / "config.yaml")]
     command += ["--workflow-profile", str(ROOT / "workflow" / "profiles" / "default")]
@@ -104,13 +103,13 @@ def snakemake(folder: Path, *arguments: str) -> tuple[Cost, str]:
 
 
 def n_jobs(text: str) -> int:
-    """Return the jobs that a dry run counts; 0 where it finds nothing to do."""
+    """Return the number of jobs in the output of a dry run; 0 if there is nothing to do."""
     totals = [line.split() for line in text.splitlines() if line.startswith("total ")]
     return int(totals[-1][1]) if totals else 0
 
 
 def finish(folder: Path) -> None:
-    """Make every output an empty file, and have Snakemake take them as made."""
+    """Make every output as an empty file, and let Snakemake mark them as made."""
     _, text = snakemake(folder, "--dry-run", "all")
     for line in text.splitlines():
         if line.strip().startswith("output: "):

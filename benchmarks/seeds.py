@@ -1,13 +1,13 @@
-"""The paper's table and the errors against the truth with their spread over seeds.
+"""Make the paper's table and the errors against the truth, with their spread over seeds.
 
     python benchmarks/seeds.py run results/benchmark data/benchmark/truth/test --seeds 2 1 0
         --configfile config/config.yaml config/benchmark.yaml
     python benchmarks/seeds.py page results/benchmark
 
-A seed draws crops, noise and library tiles anew; houses, photos and what is hidden are the data
-set's. ``run`` makes the table for each seed, one after another in the same results (the last one's
-files stay), and keeps ``tables/seeds/{seed}.json``: table, errors against the true materials and
-seconds. ``page`` writes their means and standard deviations (of the seeds, n - 1) to
+A seed changes crops, noise and library tiles; houses, photos and hidden photos stay those of the
+data set. ``run`` makes the table for one seed after another in the same results folder (the files
+of the last seed stay), and writes ``tables/seeds/{seed}.json``: table, errors against the true
+materials and seconds. ``page`` writes means and standard deviations (over the seeds, n - 1) to
 docs/measurements/benchmark.md, between its two marks.
 """
 
@@ -36,7 +36,7 @@ BEGIN, END = "<!-- figures: benchmarks/seeds.py -->", "<!-- end of figures -->"
 
 
 def record(results: Path, truth: Path, seed: int, seconds: float) -> None:
-    """Keep a seed's table, its errors against the truth and what it took."""
+    """Write the table of a seed, its errors against the truth and its seconds as JSON."""
     with (results / "tables" / "paper_table.csv").open(encoding="utf-8") as file:
         table = list(csv.DictReader(file))
     if {row["seed"] for row in table} != {str(seed)}:
@@ -61,14 +61,14 @@ def run(given: argparse.Namespace) -> None:
 
 
 def spread(rows: Sequence[Mapping[str, Any]], name: str, digits: int) -> str:
-    """Return "mean±deviation" of a figure over the seeds' rows."""
+    """Return "mean±deviation" of a figure over the rows of all seeds."""
     values = [float(row[name]) for row in rows]
     deviation = f"±{np.std(values, ddof=1):.{digits}f}" if len(values) > 1 else ""
     return f"{np.mean(values):.{digits}f}{deviation}"
 
 
 def table_lines(seeds: Sequence[dict[str, Any]]) -> list[str]:
-    """Return the paper's table as Markdown, and how far tiles are from the true materials."""
+    """Return the paper's table as Markdown, with a column of errors to the true materials."""
     first = seeds[0]["table"]
     figures = [name for name in first[0] if name.split(" (")[0] in METRICS]
     titles = ["method", "surfaces", "n", *figures, "median dE2000 to the truth"]
@@ -87,7 +87,7 @@ def table_lines(seeds: Sequence[dict[str, Any]]) -> list[str]:
 
 
 def page(results: Path) -> None:
-    """Write the figures into the docs' page."""
+    """Write the figures into the page of the docs."""
     seeds = {p.stem: json.loads(p.read_text()) for p in (results / "tables" / "seeds").iterdir()}
     names = sorted(seeds, key=int)
     kept = [seeds[name] for name in names]

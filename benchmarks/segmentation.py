@@ -1,4 +1,4 @@
-"""Scores of the embedded segmentation network on sets of photos with true labels, and its time.
+"""Score the embedded segmentation network on sets of labelled photos, and measure its time.
 
     python benchmarks/segmentation.py --sets sets.csv [--model FILE] [--every N [--first K]]
         [--photos] [--temperature T] [--wall LOGIT] [--further FILE]
@@ -8,10 +8,10 @@ The table of sets has the columns name, layout and path; without ``--sets`` the 
 ``folder`` (``{name}.jpg`` with ``{name}.mask.png``: 0 other, 1 floor, 2 wall, 3 ceiling, 255 left
 out), ``flat`` (``photos/{name}.jpg``, ``gt/masks/{name}.png``: 0 left out, 1 floor, 2 wall,
 3 ceiling, 4 door or window), ``val`` and ``test`` (that split of a synthetic data set). Each photo
-is labelled as the masks stage does it: once without a camera, then told the camera that the first
-labels gave. Prints a table of intersections over union (of summed pixels), the doors' and windows'
-together where the truth tells them, the share of pixels labelled rightly, and the expected
-calibration error, by set and by group over all real sets.
+is labelled as in the masks stage: first without a camera, then with the camera estimated from the
+first labels. The script prints intersections over union (of summed pixels; doors and windows
+together, if the truth has them), the share of right pixels, and the expected calibration error, by
+set and by group over all real sets.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ HEAD = ("photos", "n", *LABELS, "surfaces", "openings", "accuracy", "ECE")
 
 
 def seconds(segmenter: Segmenter, threads: int) -> float:
-    """Return the wall time of labelling a 1024x768 photo once, the best of five."""
+    """Return the wall-clock time of labelling a 1024x768 photo, the best of five."""
     torch.set_num_threads(threads)
     image = np.random.default_rng(0).integers(0, 256, (768, 1024, 3), dtype=np.uint8)
     times = []
@@ -102,7 +102,7 @@ def main() -> None:
 
 
 def print_row(name: str, photos: list[Measured]) -> None:
-    """Print a row of the table; none for no photos."""
+    """Print a row of the table, unless there are no photos."""
     if photos:
         values = ("-" if np.isnan(value) else f"{value:.3f}" for value in figures(photos))
         print(f"| {name} | {len(photos)} | {' | '.join(values)} |", flush=True)

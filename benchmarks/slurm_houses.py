@@ -1,13 +1,13 @@
-"""Many small houses, plan and photo to GLB, on a SLURM of this machine, without a hand.
+"""Make GLBs of many small houses on a SLURM cluster on this machine, unattended.
 
     python benchmarks/slurm_houses.py --houses 200 --batch 40 --keep slurm_houses.log
     python benchmarks/slurm_houses.py --summary slurm_houses.log
 
-Each house is the example plan with one photo of the demo under a name of its own (links). Every
-batch is one `snakemake --profile profiles/slurm` with the houses of it in `dataset.houses`. Kept
-are, a line of JSON every minute, how many houses there are and how each submission ended; a row of
-the table is what such a line says: what was submitted, tried again and how long a submission takes
-beside its jobs. Wants root and Debian's slurm-wlm.
+Each house is the example plan with one photo of the demo, under its own name (links). Each batch is
+one run of `snakemake --profile profiles/slurm` with the houses of the batch in `dataset.houses`.
+Every minute a line of JSON is added to the log: the number of houses and how the submissions ended.
+A row of the table comes from one such line: submissions, retries, and the time that a submission
+takes in addition to its jobs. Needs root and Debian's slurm-wlm.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from cluster import Cluster, cluster  # noqa: E402
 
 PLAN = ROOT / "resources" / "examples" / "plan.json"
 PHOTO = ROOT / "resources" / "demo" / "photos" / "flat_test_002_00.jpg"
-#: Columns of the table: `state` gives the first, the rest are worked out of it.
+#: Columns of the table, computed by `row` from the values of `state`.
 HEAD = (
     "houses",
     "GLBs",
@@ -51,7 +51,7 @@ HEAD = (
 
 
 def make_data_set(root: Path, names: list[str]) -> None:
-    """Lay the data set: a plan, a photo and its table for each house."""
+    """Write the data set: a plan, a photo and its table for each house."""
     rows = ["\t".join(("house", "split", "plan", "assignment", "photos"))]
     for folder in ("plans", "photos", "tables"):
         (root / folder).mkdir(parents=True)
@@ -70,7 +70,7 @@ def run_batch(folder: Path, names: list[str], made: Cluster) -> None:
     config["dataset"] |= {"name": "small", "root": "data", "houses": names}
     (folder / "config.yaml").write_text(yaml.safe_dump(config))
     profile = ROOT / "workflow" / "profiles" / "slurm"
-    command = ["setpriv", "--pdeathsig", "KILL"]  # it ends with this process, however that ends
+    command = ["setpriv", "--pdeathsig", "KILL"]  # it is killed when this process ends
     command += [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile")]
     command += ["--directory", str(folder), "--configfile", str(folder / "config.yaml")]
     command += ["--profile", str(profile), "--quiet", "rules", "--"]
@@ -85,13 +85,13 @@ def run_batch(folder: Path, names: list[str], made: Cluster) -> None:
 
 
 def seconds(job: dict[str, str]) -> float:
-    """Return how long a submission ran."""
+    """Return the running time of a submission in seconds."""
     start, end = (datetime.datetime.fromisoformat(job[key]) for key in ("StartTime", "EndTime"))
     return (end - start).total_seconds()
 
 
 def state(folder: Path, houses: int, ended: list[dict[str, str]], wall: float) -> dict[str, float]:
-    """Return what became of the houses and submissions until now."""
+    """Return the present state: counts of houses, submissions and jobs, and their seconds."""
     files = list((folder / "logs").glob("*/benchmarks/**/*.tsv"))
     took = [float(path.read_text().splitlines()[1].split("\t")[0]) for path in files]
     path = folder / "snakemake.log"
@@ -111,7 +111,7 @@ def state(folder: Path, houses: int, ended: list[dict[str, str]], wall: float) -
 
 
 def row(found: dict) -> str:
-    """Return the row of the table of a state."""
+    """Return the table's row for a state."""
     whole, inside = found["submission seconds"], found["job seconds"]
     n_ended = sum(found["ended"].values())
     states = ", ".join(f"{number} {name}" for name, number in found["ended"].items())
@@ -124,7 +124,7 @@ def row(found: dict) -> str:
 
 
 def summary(kept: Path) -> str:
-    """Return the table of a kept log: a row each time that a batch was done, and the last."""
+    """Return the table of a log: a row for the end of each batch, and the last line."""
     lines = [json.loads(line) for line in kept.read_text().splitlines()]
     wanted = [line for line in lines if line.get("batch done")] or []
     if lines and (not wanted or lines[-1] is not wanted[-1]):

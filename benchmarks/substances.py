@@ -1,12 +1,12 @@
-"""Substances of the crops of real flats, by the texture model's head.
+"""Measure the substances that the texture model's head gives to true crops of real flats.
 
 ``python benchmarks/substances.py LABELS FLAT... [--model WEIGHTS]``
 
 FLAT has the layout of a scored flat: ``gt/index.csv`` and its true crops
 ``gt/{room}/{surface}_{k}.png``.
-LABELS is a CSV ``flat,room_id,surface,substance`` of what was seen there by eye
-(``benchmarks/substances.csv``). Printed are the shares of crops and of surfaces (their crops' mean
-probability) that are named rightly: by the head alone, and knowing the kind of surface.
+LABELS is a CSV ``flat,room_id,surface,substance`` of the substances as judged by eye
+(``benchmarks/substances.csv``). The script prints the accuracy over crops and over surfaces (by the
+mean probability of their crops): by the head alone, and with the kind of surface known.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ Row = tuple[str, str, str]  # flat, room, surface
 
 
 def read_seen(table: Path) -> dict[Row, str]:
-    """Return the substance of each surface of a CSV of what was seen."""
+    """Return the substance of each surface in a CSV of substances judged by eye."""
     with table.open(newline="") as file:
         return {
             (row["flat"], row["room_id"], row["surface"]): row["substance"]
@@ -37,7 +37,7 @@ def read_seen(table: Path) -> dict[Row, str]:
 
 
 def read_crops(flats: list[Path]) -> tuple[list[Row], np.ndarray]:
-    """Return where each true crop is from, and the crops (n, 128, 128, 3) uint8."""
+    """Return the flat, room and surface of each true crop, and the crops (n, 128, 128, 3) uint8."""
     rows, images = [], []
     for flat in flats:
         with (flat / "gt" / "index.csv").open(newline="") as file:
@@ -69,7 +69,7 @@ def main() -> None:
 
 
 def _shares(found: np.ndarray, truth: np.ndarray, rows: list[Row]) -> list[str]:
-    """Return right shares of the crops, of the surfaces, and of the crops of each substance."""
+    """Return the accuracy over crops, over surfaces, and over the crops of each substance."""
     right = found.argmax(axis=1) == truth
     groups: dict[Row, list[int]] = {}
     for number, row in enumerate(rows):

@@ -1,10 +1,10 @@
-"""Surfaces of finished houses: how much maps and repeated tiles repeat, how sharp they are, sizes.
+"""Measure surfaces of finished houses: repetition and sharpness of maps and tiles, file sizes.
 
 python benchmarks/surfaces.py results/demo [HOUSE...]
 
 Repetition: highest normalised autocorrelation of 4 x 4 m (walls: the room's height) at lags beyond
-25 cm. Sharpness: root power above 32 cycles a metre over that of the photo's rectified crops, the
-three sharpest that the tile was made of, in the band that the crop resolves.
+25 cm. Sharpness: square root of the power above 32 cycles per metre, divided by that of the
+photos' rectified crops (the three sharpest of the tile's), in the band that each crop resolves.
 """
 
 import argparse
@@ -24,7 +24,7 @@ from plan2scene.images import image_from_bytes
 from plan2scene.io import read_json, read_parquet
 
 SIDE_M = 4.0
-SHOWN_PX_PER_M = 64.0  # at which repetition is measured: coarse enough for every surface
+SHOWN_PX_PER_M = 64.0  # resolution for measuring repetition, low enough for every surface
 KINDS = ("floor", "wall", "ceiling")
 
 
@@ -54,7 +54,7 @@ def main() -> None:
 
 
 def house_rows(folder: Path, results: Path) -> list[dict]:
-    """Return a row for each surface of a house, those of the same crops and material once."""
+    """Return a row for each surface of a house; surfaces with the same crops have one row."""
     textures = folder / "textures"
     entries = read_json(textures / "textures.json")["surfaces"]
     maps = read_json(textures / "maps.json")["surfaces"]
@@ -83,7 +83,7 @@ def house_rows(folder: Path, results: Path) -> list[dict]:
 
 
 def at_scale(image: np.ndarray, px_per_m: float) -> np.ndarray:
-    """Return an image at `SHOWN_PX_PER_M`."""
+    """Return an image resized to `SHOWN_PX_PER_M`."""
     scale = SHOWN_PX_PER_M / px_per_m
     size = (max(1, round(image.shape[1] * scale)), max(1, round(image.shape[0] * scale)))
     way = cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR
@@ -91,7 +91,7 @@ def at_scale(image: np.ndarray, px_per_m: float) -> np.ndarray:
 
 
 def sharpness(crops, tile: tuple[np.ndarray, float], whole: tuple[np.ndarray, float]) -> dict:
-    """Return the fine contrast of tile and map over that of the sharpest crops; NaN without."""
+    """Return the sharpness of tile and map relative to the sharpest crops; NaN without crops."""
     crops = crops.drop_duplicates("crop_id")
     crops = crops.assign(resolved=crops["sharpness"] / crops["metres"])
     crops = crops.sort_values("resolved", ascending=False).head(3)
@@ -110,14 +110,14 @@ def sharpness(crops, tile: tuple[np.ndarray, float], whole: tuple[np.ndarray, fl
 
 
 def cells(rows: list[dict]) -> list[str]:
-    """Return the medians of a table's columns as text."""
+    """Return the medians of the table's columns as text."""
     names = ("px", "photo", "repeats_tile", "repeats_map", "sharp_tile", "sharp_map")
     values = [np.nanmedian([row[name] for row in rows]) for name in names]
     return [f"{value:.0f}" if k < 2 else f"{value:.2f}" for k, value in enumerate(values)]
 
 
 def house_sizes(folder: Path) -> tuple[float, float]:
-    """Return the floor area in square metres and the GLB's megabytes."""
+    """Return the floor area in square metres and the size of the GLB in megabytes."""
     from plan2scene.plans.geometry import room_polygon
     from plan2scene.plans.scene_json import read_scene_json
 

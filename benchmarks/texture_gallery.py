@@ -1,9 +1,9 @@
-"""The best, the median and the worst observed surfaces of a data set by COLOR, as a picture.
+"""Draw the best, the median and the worst observed surfaces of a data set by COLOR.
 
     python benchmarks/texture_gallery.py results/demo --by exemplar --output gallery.jpg
 
-Reads the compared textures at drop 0.0 and the crops of every house under the results folder;
-rows are drawn as in a house's texture sheet. Prints COLOR of the rows shown and its quantiles.
+It reads the compared textures at drop 0.0 and the crops of every house in the results folder. Rows
+look like those of a house's texture sheet. It prints COLOR of the shown rows and its quantiles.
 """
 
 import argparse
@@ -18,7 +18,7 @@ from plan2scene_app.pictures.texture_sheet import SheetRow, draw_sheet, sheet_ro
 
 
 def observed_rows(results: Path) -> dict[str, SheetRow]:
-    """Return the observed surfaces of all houses as rows, by a name of house and surface."""
+    """Return the observed surfaces of all houses as rows, by "house/surface"."""
     rows = {}
     for folder in sorted(results.glob("houses/*/comparison/0.0")):
         house = folder.parents[1].name
@@ -32,7 +32,7 @@ def observed_rows(results: Path) -> dict[str, SheetRow]:
 
 
 def ranked(rows: Mapping[str, SheetRow], method: str) -> pd.DataFrame:
-    """Return ``name, color`` of all rows that have a reference, best COLOR of a method first."""
+    """Return ``name, color`` of all rows with a reference, sorted by COLOR of a method."""
     frame = pd.DataFrame(
         [(name, row.color(method)) for name, row in rows.items() if row.reference is not None],
         columns=["name", "color"],

@@ -1,11 +1,11 @@
-"""What matters in the texture model: short trainings that differ in one thing each.
+"""Ablation study of the texture model: short trainings that differ in one setting each.
 
     python benchmarks/texture_study.py --textures FOLDER --steps 600 [--only base code_32]
 
-FOLDER holds real tileable textures with an ``index.csv`` of splits (docs/textures.md); the models
-learn from its train split and procedural materials, and are measured on one clean crop of each
-texture of its val split. Prints a Markdown table: COLOR, FREQ, TILE, wrap ratio, share of
-substances named rightly, seconds of training.
+FOLDER holds real tileable textures with an ``index.csv`` of splits (docs/textures.md). The models
+are trained on its train split and on procedural materials, and measured on one clean crop of each
+texture of its val split. The script prints a Markdown table: COLOR, FREQ, TILE, wrap ratio,
+accuracy of the substance, seconds of training.
 """
 
 import argparse

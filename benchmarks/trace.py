@@ -1,11 +1,11 @@
-"""Traces drawn plans in styles that no training saw, for docs/measurements/trace.md.
+"""Trace drawn plans in styles that were not trained on, for docs/measurements/trace.md.
 
 python benchmarks/trace.py [--listings FOLDER [--copies]] [--plans 60] [--opened 0.4] [--dark]
     [--pictures FOLDER]
 
-Real listings come first where there are some: FOLDER/HOME/plan.* with FOLDER/HOME.json (what is
-true) and FOLDER/score.py, which prints the figures of a traced plan. With --copies a table says
-what becomes of them in copies that a person would call the same picture.
+With --listings, real listings are traced first: FOLDER/HOME/plan.* with FOLDER/HOME.json (the
+truth) and FOLDER/score.py, which prints the figures of a traced plan. With --copies, a table shows
+the figures for changed copies of the pictures (smaller, larger, turned, on more paper) instead.
 """
 
 from __future__ import annotations
@@ -34,9 +34,9 @@ from plan2scene_workshop.plans.drawing import DrawnPlan
 from plan2scene_workshop.plans.paper import bend, homography, worn
 from plan2scene_workshop.plans.views import other_drawing
 
-#: Corners and openings are found within this share of the plan's longer side.
+#: Largest distance of a found corner from a true one, as a share of the plan's longer side.
 NEAR = 0.01
-#: An opening's middle may be this far off, in shares of its own width.
+#: Largest distance of a found opening's middle from the true one, as a share of its width.
 OPENING_NEAR = 0.5
 WEARS = ("as drawn", "scanned", "photographed")
 
@@ -46,15 +46,15 @@ class Truth:
     """A drawn plan in the pixels of its picture."""
 
     rooms: list[Polygon]
-    openings: list[tuple[str, np.ndarray, float]]  #: kind, middle, width
-    metres: float  #: of a pixel, about the middle
-    areas: list[float]  #: m2
+    openings: list[tuple[str, np.ndarray, float]]  #: kind, middle and width in pixels
+    metres: float  #: mean size of a pixel in metres
+    areas: list[float]  #: areas of the rooms, m2
 
 
 def test_picture(
     number: int, wear: str, opened: float = 0.0, *, dark: bool = False
 ) -> tuple[np.ndarray, Truth]:
-    """Return picture `number` and its truth; `dark`: its negative on dark coloured paper."""
+    """Return picture `number` and its truth; if `dark`, as a negative on dark coloured paper."""
     rng = generator(7, "trace benchmark", number)
     ppm = float(np.exp(rng.uniform(np.log(35), np.log(90))))
     drawn = other_drawing(1000 + number, 7, ppm, held_out=True, finer=1, opened=opened)
@@ -74,7 +74,7 @@ def test_picture(
 
 
 def _truth(drawn: DrawnPlan, move: np.ndarray) -> Truth:
-    """Return what a drawing shows, moved by a homography."""
+    """Return the truth of a drawing after a homography."""
 
     def pixels(points: np.ndarray) -> np.ndarray:
         flat = ((np.asarray(points, float) - drawn.origin) * drawn.ppm)[:, None].astype(np.float32)
@@ -138,7 +138,7 @@ def corner_f1(found: list[Polygon], true: list[Polygon], near: float) -> float:
 
 
 def opening_f1(plan: TracedPlan, pixels, truth: Truth) -> float:
-    """Return F1 of openings: kind and place agree."""
+    """Return F1 of openings; a hit has the right kind and position."""
     found = [(o.kind, pixels(np.array([o.start, o.end])).mean(0)) for o in plan.openings]
     if not found:
         return 0.0
@@ -164,9 +164,9 @@ def measure(
     *,
     dark: bool = False,
 ) -> dict[str, list[dict[str, float]]]:
-    """Return the figures of every picture by wear; one that is refused has found nothing.
+    """Return the figures of every picture by wear; for a refused one all F1 are 0.
 
-    Inner doors are open passages with the chance `opened`; `dark` pictures are light on dark.
+    Inner doors are open passages with probability `opened`; `dark` pictures are light on dark.
     """
     results: dict[str, list[dict[str, float]]] = {wear: [] for wear in WEARS}
     with tempfile.TemporaryDirectory() as folder:
@@ -192,7 +192,7 @@ def measure(
 
 
 def print_listings(folder: Path, model: Path | None) -> None:
-    """Print what the listings' own score says of each, and the processor's seconds."""
+    """Print the output of score.py and the processor seconds for each listing."""
     for truth in sorted(folder.glob("*.json")):
         for picture in sorted((folder / truth.stem).glob("plan.*")):
             if picture.suffix == ".json":
@@ -211,7 +211,7 @@ def print_listings(folder: Path, model: Path | None) -> None:
 
 
 def on_paper(image: Image.Image) -> Image.Image:
-    """Return a picture in the middle of a page that is 1.66 times as wide and high."""
+    """Return a picture in the middle of a white page that is 1.66 times as wide and high."""
     page = Image.new("RGB", (int(image.width * 1.66), int(image.height * 1.66)), "white")
     page.paste(image, (image.width // 3, image.height // 3))
     return page
@@ -229,7 +229,7 @@ COPIES = {
 
 
 def print_copies(folder: Path, model: Path | None) -> None:
-    """Print room F1 and doors of each copy of each listing's picture."""
+    """Print room F1 and the found doors for each copy of each listing's picture."""
     print(f"| listing | {' | '.join(COPIES)} |\n|---|{'---|' * len(COPIES)}")
     for truth in sorted(folder.glob("*.json")):
         cells = []
@@ -251,7 +251,7 @@ def print_copies(folder: Path, model: Path | None) -> None:
 
 
 def print_table(results: dict[str, list[dict[str, float]]]) -> None:
-    """Print the table of the page."""
+    """Print the table of docs/measurements/trace.md."""
     print(
         "| pictures | n | room F1 | corner F1 | opening F1 | area error | scale error "
         "| sure of the scale | scale error of those | refused |"
@@ -271,7 +271,7 @@ def print_table(results: dict[str, list[dict[str, float]]]) -> None:
 
 
 def main() -> None:
-    """Print the table; with --pictures write overlays whose names begin with their figures."""
+    """Print the tables; with --pictures write overlays whose names begin with their figures."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--listings", type=Path)
     parser.add_argument("--copies", action="store_true")

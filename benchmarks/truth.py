@@ -1,11 +1,12 @@
-"""Textures of a synthetic data set against the true materials, for every method.
+"""Compare the textures of a synthetic data set with the true materials, for every method.
 
     python benchmarks/truth.py resources/demo/truth/test results/demo
 
-What no paper's data has: the albedo of every surface, those that no photo shows included. Prints
-the median CIEDE2000 between the tiles' median colours, the share of surfaces within 5, and the
-means of COLOR and FREQ against as many metres of the true material as the method's tile covers.
-Observed: drop 0.0; unobserved: drop 0.6, surfaces without a visible photo.
+Unlike real data, a synthetic data set has the true albedo of every surface, also of those that no
+photo shows. The script prints the median CIEDE2000 between the tiles' median colours, the share of
+surfaces within 5, and the means of COLOR and FREQ, both against a square of the true material as
+large as the method's tile. Observed: drop 0.0; unobserved: drop 0.6, surfaces without a visible
+photo.
 """
 
 from __future__ import annotations
@@ -23,13 +24,13 @@ from plan2scene.images import METRIC_SIZE, metric_image, read_image
 from plan2scene.io import read_json
 from plan2scene.metrics.color_freq_tile import color_distance, freq_distance
 
-#: A method that stretches a crop over a surface covers many metres; more tiles tell nothing more.
+#: Largest number of true tiles along a side of the square: a stretched crop may cover many metres.
 MOST_TILES = 16.0
 COLUMNS = (("observed", "0.0", True), ("unobserved", "0.6", False))
 
 
 def at_scale(tile: np.ndarray, tile_m: float, metres: float) -> np.ndarray:
-    """Return a square of `metres` of the material whose repeating tile covers `tile_m`."""
+    """Return a square of `metres` of the material whose tile covers `tile_m`."""
     ratio = min(metres / tile_m, MOST_TILES)
     times = math.ceil(ratio)
     side = max(1, round(ratio * len(tile)))
@@ -57,7 +58,7 @@ def errors(truth: Path, textures: Path, *, observed: bool) -> list[tuple[float, 
 
 
 def error_rows(truth: Path, results: Path) -> list[dict[str, Any]]:
-    """Return a row per method and kind of surface: n, median and mean errors."""
+    """Return a row for each method and kind of surface: n, median and mean errors."""
     rows = []
     for column, drop, observed in COLUMNS:
         made: dict[str, list[tuple[float, float, float]]] = {}

@@ -1,12 +1,12 @@
-"""How fast viewers load and draw in Chromium with software WebGL, 1280x720.
+"""Measure how fast viewers load and draw in Chromium with software WebGL, 1280x720.
 
     python benchmarks/viewer.py results/demo/houses/*/viewer.html
 
-Each page is loaded, then turned for a number of pictures in every light, from outside and inside,
-each as fine as the page (`--ratio 1`), and as its user does, by a key that is held: on slow
-machines the page draws moving pictures more coarsely. Printed are milliseconds until the page is
-ready (by its own clock), pictures a second, the processor time of all of the browser's processes
-for a picture, pictures a second while the key is held, and how fine these are.
+Each page is loaded. Then the view is turned for a number of frames with every light, from outside
+and inside: first at the page's full resolution (`--ratio 1`), then like a user by holding a key,
+when slow machines draw at a lower resolution. The script prints the milliseconds until the page is
+ready (by its own clock), frames per second, processor time of all browser processes per frame,
+frames per second while the key is held, and the resolution of these frames.
 """
 
 from __future__ import annotations

@@ -1,15 +1,15 @@
-"""How like its photos a house looks: CIEDE2000 between each photo and the house from its place.
+"""Compare each photo with a drawing of the house from the same position by CIEDE2000.
 
-python benchmarks/views.py HOUSE PHOTOS                    # from where photos were located
+python benchmarks/views.py HOUSE PHOTOS                    # at the positions that were found
 python benchmarks/views.py HOUSE PHOTOS --cameras cameras.csv --masks MASKS
 
 HOUSE is results/{dataset}/houses/{house}. Known cameras are a table `photo, hfov_deg, yaw_deg,
 pitch_deg, roll_deg, x, y, z, inside_room` (yaw 0 looks along x, 90 along z), with masks of labels.
 
-The house is drawn without light. Photo and house are averaged over cells of 8x8 pixels. A person
-forgives exposure and white balance: each photo has one gain, three factors, the median over its
-surfaces. Joinery is where the photo shows no surface and the house a door, frame, skirting or
-window. Beside it the same of a house of one colour for each kind, the median of the photos.
+The house is drawn without light. Photo and house are averaged over cells of 8x8 pixels. Exposure
+and white balance do not count: each photo has one gain (three factors, the median over its
+surfaces). Joinery is where the photo shows no surface but the house shows a door, frame, skirting
+or window. The last column is a house with one colour for each kind, the median of the photos.
 """
 
 import argparse
@@ -34,11 +34,11 @@ from plan2scene_app.pictures.renderer import Triangles, look_at
 CELL, WIDTH = 8, 256
 KINDS = ("other", "floor", "wall", "ceiling", "joinery")
 JOINERY = ("door", "passage", "threshold", "skirting", "window")
-LEAST_CELLS = 24  # of surfaces, for a photo's own gain
+LEAST_CELLS = 24  # smallest number of surface cells of a photo with its own gain
 
 
 def known_cameras(path: Path) -> Iterator[tuple[str, Camera]]:
-    """Yield photos and cameras of a table, 1 pixel wide and high; see the top."""
+    """Yield photos and their cameras (1 pixel wide and high) from a table as described above."""
     for row in csv.DictReader(path.open()):
         if row["inside_room"] != "1":
             continue
@@ -67,7 +67,7 @@ def gain(shown: np.ndarray, photo: np.ndarray) -> np.ndarray:
 
 
 def fitted(shown: np.ndarray, photo: np.ndarray, kind: np.ndarray, of: np.ndarray) -> np.ndarray:
-    """Return the CIEDE2000 (n,) of cells after one gain for each photo."""
+    """Return CIEDE2000 (n,) of cells after one gain for each photo."""
     surface = np.isin(kind, (1, 2, 3))
     made = shown * gain(shown[surface], photo[surface])
     for number in np.unique(of):

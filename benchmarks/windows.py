@@ -1,14 +1,15 @@
-"""Verdicts of the filter against windows of real photos that were looked at.
+"""Measure the crop filter against windows of real photos that were judged by eye.
 
 ``python benchmarks/windows.py FLAT... [--masks true network] [--windows CSV]``
 
 FLAT has the layout of a scored flat: ``scene/*.scene.json``, ``photo_assignments/*.csv``,
-``photos/`` and, for the true labels, ``gt/masks/`` (4, what openings show, counts as other). The
-CSV (``benchmarks/windows.csv``) has a line for each window: the flat, the photo, the surface, the
+``photos/`` and, for the true labels, ``gt/masks/`` (4, openings, counts as other). The CSV
+(``benchmarks/windows.csv``) has a line for each window: the flat, the photo, the surface, the
 corners in the photo (pixels, clockwise from the crop's top left) and whether it is a usable sample
-of that surface, as judged by eye; it holds no pixels. A window is kept when it lies on one plane of
-the labels and its judge finds nothing wrong; the vote of a surface's windows is left out. Of the
-kept precision and recall are printed, then of each reason how many of its windows are usable.
+of that surface, as judged by eye; it holds no pixels. A window is kept if it lies on one plane of
+the labels and the filter has no reason against it; the vote of a surface's windows is not used.
+The script prints precision and recall of the kept windows, and for each reason the number of its
+windows and how many of them are usable.
 """
 
 from __future__ import annotations
@@ -47,13 +48,13 @@ from plan2scene.photos.planes.walls import RoomSize
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.weights import MODELS
 
-_OFF = "not on the surface"  # of a window outside the labels' planes
-_COVERED = 0.98  # share of a window that has to lie on its plane
+_OFF = "not on the surface"  # the reason against a window outside the labels' planes
+_COVERED = 0.98  # smallest share of a window that must lie on its plane
 
 
 @dataclass(frozen=True)
 class Looked:
-    """A window that was looked at: corners (4, 2) in the photo, pixels."""
+    """A window that was judged by eye: corners (4, 2) in the photo, pixels."""
 
     photo: str
     surface: str
@@ -93,7 +94,7 @@ def masks_of(flat: Path, photos: dict[str, Path], kind: str, work: Path) -> Path
 
 
 def verdicts(flat: Path, windows: list[Looked], kind: str, work: Path) -> Iterator[tuple[str, ...]]:
-    """Yield the reasons against each window, none for a good one, photo by photo."""
+    """Yield the reasons against each window (none for a good one), photo by photo."""
     house = read_scene_json(next((flat / "scene").glob("*.json")), flat.name)
     rooms = rooms_of_photos(next((flat / "photo_assignments").glob("*.csv")), house)
     photos = {photo: flat / "photos" / photo for photo in rooms}
@@ -125,7 +126,7 @@ def _by_photo(windows: list[Looked]) -> dict[str, list[Looked]]:
 def _reasons(
     image: np.ndarray, camera: Camera, planes: list[Plane], window: Looked
 ) -> tuple[str, ...]:
-    """Return what is wrong with a window on the plane that holds it."""
+    """Return the reasons against a window on the plane that contains it."""
     for plane in planes:
         if plane.surface != window.surface:
             continue
@@ -159,7 +160,7 @@ def _reasons(
 
 
 def _place(rectified: RectifiedPlane, middle: np.ndarray, size_m: float) -> tuple[int, int] | None:
-    """Return (row, column) of a window about `middle` (2,) in metres; None off the mask."""
+    """Return (row, column) of a window about `middle` (2,) in metres; None if off the mask."""
     side = window_pixels(rectified, size_m)
     corner = (middle - size_m / 2 - np.array(rectified.origin)) / rectified.metres_per_pixel
     column, row = (int(v) for v in np.rint(corner))
@@ -193,7 +194,7 @@ def main() -> None:
 
 
 def _print(kind: str, found: list[tuple[bool, tuple[str, ...]]]) -> None:
-    """Print precision and recall of the kept, and the reasons."""
+    """Print precision and recall of the kept windows, and the table of reasons."""
     kept = [usable for usable, reasons in found if not reasons]
     every = sum(usable for usable, _ in found)
     print(f"\n{kind} labels: {len(found)} windows, {every} usable, {len(kept)} kept")

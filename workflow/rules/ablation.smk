@@ -1,8 +1,8 @@
-# On demand: what the parts of method synth are worth, `snakemake -j2 ablation`.
+# On demand: what each part of method synth contributes, `snakemake -j2 ablation`.
 
 
 rule ablation_house:
-    # A house by every variant of the method, in one job.
+    # Metrics of a house by every variant of the method, in one job.
     input:
         **made(EVALUATION_MODELS),
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
@@ -35,7 +35,7 @@ rule ablation_house:
 
 
 rule ablation:
-    # The second table over all houses.
+    # The table of the ablations over all houses.
     input:
         ablations=house_files("ablation.parquet"),
         references=house_files("reference_features.parquet"),

@@ -1,11 +1,11 @@
 # Config `weights: official`: the authors' released checkpoints as weight files of this program;
-# config `metrics`: the networks that SUBS, FID and KID are made with.
+# config `metrics`: the networks of SUBS, FID and KID.
 wildcard_constraints:
     network="texture|naivesynth|vgg16|inception",
 
 
 rule convert_checkpoint:
-    # Tensors only: a file that carries code is refused, one of another network too.
+    # Only tensors are read: a file that contains code, or is of another network, is refused.
     input:
         lambda wildcards: (config["official"] | config["metrics"])[wildcards.network],
     output:
@@ -27,7 +27,7 @@ rule convert_checkpoint:
 
 
 rule convert_propagation:
-    # The network, and the means over training surfaces that its checkpoint comes without.
+    # The network, and the means over training surfaces, which its checkpoint does not contain.
     input:
         checkpoint=lambda wildcards: config["official"]["propagation"],
         scenes=expand(f"{RESULTS}/houses/{{house}}/scene.json", house=MEANS_HOUSES),

@@ -40,7 +40,7 @@ rule all_propagated:
 
 
 rule all_textures:
-    # Of the 3D houses, and by every method of the table.
+    # The textures of the 3D houses, and those by every method of the table.
     input:
         expand(CHOSEN_TEXTURES, house=HOUSES),
         expand(COMPARED, house=HOUSES),

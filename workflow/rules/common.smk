@@ -56,7 +56,7 @@ try:
 except InputError as error:
     sys.exit(f"plan2scene: {error}")
 
-# Houses whose crops the methods that copy crops may use, where a house has no crop of its own.
+# Houses whose crops may be copied to a surface for which its own house has no crop.
 POOL_HOUSES = [
     row.house
     for row in TABLE.houses.values()
@@ -65,7 +65,7 @@ POOL_HOUSES = [
 DATASET = config["dataset"]["name"]
 DATA_ROOT = LAYOUT.root
 RESULTS = f"results/{DATASET}"
-# Relative to the working directory, which need not be the clone (`plan2scene run`).
+# Relative to the working directory, which may be outside the clone (`plan2scene run`).
 MODELS = os.path.relpath(Path(workflow.basedir) / "resources" / "models")
 METHODS = config["methods"]
 TEXTURE_METHODS = texture_methods()
@@ -155,7 +155,7 @@ def is_traced(wildcards):
 
 
 def lacks_heights(row):
-    """Return whether photos have to tell how high a house is, since its plan may not."""
+    """Return whether a house's height is measured in photos, since its plan may lack it."""
     path = DATA_ROOT / row.plan
     if not (HAS_MASKS and row.photos and path.is_file()):
         return False
@@ -187,7 +187,7 @@ def assignment_of(wildcards):
 
 
 def finds_rooms(wildcards):
-    """Return the classifier that helps to find photos' rooms; None if the table gives them all."""
+    """Return the classifier that helps to find photos' rooms; None if the table has all rooms."""
     path = assignment_of(wildcards)
     if not path or not (is_traced(wildcards) or lacks_rooms(path)):
         return None
@@ -206,7 +206,7 @@ def object_boxes_of(wildcards):
 def photo_names_of(wildcards):
     """Return the names of a house's photos in the house table, as JSON without "<".
 
-    Snakemake's report writes params into a script as they are: a name could end it.
+    Snakemake's report writes params into a script tag unescaped; a name with "<" could end it.
     """
     return json.dumps(row_of(wildcards).photos).replace("<", "\\u003c")
 
@@ -285,14 +285,14 @@ def given(**inputs):
     return {name: value for name, value in inputs.items() if value}
 
 
-# Threads of a job: several if there are few houses, else one, since other houses' jobs run beside.
+# Threads of a job: several if there are few houses; else one, as other houses' jobs run too.
 HOUSE_THREADS = max(1, 4 // max(1, len(HOUSES)))
-# From so many photos on a stage beside which others of its house could run takes all threads.
+# With so many photos or more, a stage takes all threads, even if other stages could run beside.
 MANY_PHOTOS = 16
 
 
 def threads_by_photos(wildcards):
-    """Return the threads of a stage beside which others of its house can run."""
+    """Return the threads of a stage that can run at the same time as other stages of its house."""
     return HOUSE_THREADS if len(row_of(wildcards).photos) >= MANY_PHOTOS else 1
 
 
@@ -301,8 +301,8 @@ def worker_memory(alone, each):
     return alone + each * HOUSE_THREADS if HOUSE_THREADS > 1 else alone
 
 
-# Megabytes of a job on all houses. It reads one house at a time, but the sums over InceptionV3's
-# 2048 features are large, and so is Snakemake's list of all input files.
+# Megabytes of a job over all houses. It reads one house at a time, but the sums over InceptionV3's
+# 2048 features and Snakemake's list of all input files are large.
 GATHERED_MEMORY = (2000 if config["metrics"]["inception"] else 1000) + len(HOUSES) // 50
 
 
@@ -317,8 +317,8 @@ def named_assignment_of(wildcards):
     return str(DATA_ROOT / name) if name else ""
 
 
-# Inputs that are alike for all houses. As plain values they are faster to plan than functions,
-# which Snakemake calls for every job.
+# Inputs that are the same for all houses. Plain values make planning faster than functions, which
+# Snakemake calls for every job.
 POOL = f"{RESULTS}/crop_pool.parquet" if POOL_HOUSES else None
 HAS_BOXES = (LAYOUT.data / "object_aabbs").is_dir()
 HAS_MASKS = CROPS["source"] != "precomputed"
@@ -349,7 +349,7 @@ def study_answers_of(wildcards):
 
 
 def finished_houses():
-    """Return the houses that have all files that their metrics are made of."""
+    """Return the houses that have all files in `FINISHED`."""
     return [
         house
         for house in HOUSES

@@ -9,7 +9,7 @@ PROPAGATED = f"{RESULTS}/drop_{{drop}}/{{house}}/propagated.parquet"
 
 
 rule embeddings:
-    # Of each crop: code, median colour, substance, and how much of a texture it is.
+    # For each crop: code, median colour, substance and textureness.
     input:
         **made(CROP_MODELS),
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",

@@ -1,4 +1,4 @@
-# Columns Unobserved and All of the paper's table have 60 % of the photos hidden.
+# For columns Unobserved and All of the paper's table, 60 % of the photos are hidden.
 TABLE_DROP = "0.6" if "0.6" in DROPS else max(DROPS)
 
 
@@ -16,14 +16,14 @@ TABLE_DROPS = sorted({"0.0", TABLE_DROP})
 TABLE_MODELS = {
     name: path for method in METHODS for name, path in decoder(method).items()
 }
-# Folder of tiles, {drop}/{method}/ below it.
+# Folder of tiles; its subfolders are {drop}/{method}/.
 COMPARED = f"{RESULTS}/houses/{{house}}/comparison"
-# Tiles of the 3D house, which the table takes over if its method is one of the table's.
+# Tiles of the 3D house, which are reused in the table if the table has their method.
 SHOWN = CHOSEN_TEXTURES if config["house"]["method"] in METHODS else None
 
 
 rule table_textures:
-    # Tiles by every method of the table at both drop fractions; those of the 3D house are copied.
+    # Tiles by every method of the table at both drop fractions; the 3D house's tiles are copied.
     input:
         **given(pool=POOL, shown=SHOWN),
         **made(TABLE_MODELS),
@@ -62,8 +62,8 @@ rule table_textures:
 
 
 rule metrics:
-    # COLOR, FREQ, TILE, SUBS and features of each surface that any crop shows, by every method;
-    # the features of each crop, with which FID and KID compare those of tiles.
+    # COLOR, FREQ, TILE, SUBS and features of each surface that a crop shows, by every method; and
+    # the features of each crop, for FID and KID.
     input:
         **made(METRIC_MODELS),
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
@@ -158,8 +158,8 @@ rule paper_table:
         "../scripts/paper_table.py"
 
 
-# The files that a house's metrics are made of, and the metrics. Snakemake removes the outputs of a
-# job that fails, so a house that lacks one of these files is not finished.
+# The files from which a house's metrics are made, and the metrics. Snakemake removes the outputs of
+# a failed job, so a house that lacks one of these files is not finished.
 FINISHED = [
     *given(masks=HAS_MASKS and MASKS, shown=SHOWN).values(),
     PHOTO_ROOMS,

@@ -1,5 +1,5 @@
 rule floorplan:
-    # Any supported plan, normalised and validated.
+    # Read any supported plan, validate it and write it as scene.json.
     input:
         unpack(plan_files),
     output:
@@ -52,7 +52,7 @@ rule ceilings:
         f"logs/{DATASET}/ceilings/{{house}}.log",
     benchmark:
         f"logs/{DATASET}/benchmarks/ceilings/{{house}}.tsv"
-    # Heights of ceilings and windows, which the plans of these houses may lack, by their photos.
+    # Photos give the heights of ceilings and windows, which the plans of these houses may lack.
     wildcard_constraints:
         house="|".join(map(re.escape, HOUSES_WITHOUT_HEIGHTS)) or "(?!)",
     conda:

@@ -2,7 +2,7 @@ from plan2scene_app.exports.registry import export_code, exports
 
 # Textures by the configured method, from all photos.
 CHOSEN_TEXTURES = f"{RESULTS}/drop_0.0/{config['house']['method']}/{{house}}/textures"
-# Textures that the 3D house shows.
+# Textures of the 3D house.
 SHOWN_TEXTURES = (
     f"{RESULTS}/houses/{{house}}/textures"
     if config["house"]["colours"] == "paint"
@@ -44,8 +44,8 @@ rule patterns:
 
 
 rule paint:
-    # The paint of surfaces and doors without the photos' light, and the textures of the 3D house in
-    # these colours. Finishes that the owner set by hand go before them.
+    # The paint colours of surfaces and doors, without the photos' light, and the textures of the 3D
+    # house in these colours. Finishes that the owner set by hand replace them.
     input:
         unpack(finish_files),
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
@@ -99,7 +99,7 @@ rule house:
 
 
 rule pictures:
-    # Pictures: the house from above, each room at eye level, each located photo beside the house.
+    # Pictures: the house from above, each room at eye level, each located photo beside a render.
     input:
         **given(
             cameras=HAS_MASKS and CAMERAS,

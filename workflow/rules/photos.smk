@@ -80,7 +80,7 @@ rule crops:
     # Rectified 128x128 crops of each floor, wall and ceiling that the photos show, the planes that
     # they were cut from, the surfaces' colours and the photos' light.
     input:
-        # Masks depend on the photos, which therefore are no inputs here.
+        # The masks depend on the photos, so the photos need not be inputs here.
         **(
             {"masks": MASKS, "cameras": CAMERAS}
             if HAS_MASKS
@@ -122,7 +122,7 @@ rule crops:
 
 
 rule doubts:
-    # A page that shows the plan, each photo in its room, and what is in doubt.
+    # A page that shows the plan, each photo in its room, and doubtful results.
     input:
         unpack(trace_files),
         **given(masks=HAS_MASKS and MASKS, cameras=HAS_MASKS and CAMERAS),
@@ -134,7 +134,7 @@ rule doubts:
         f"logs/{DATASET}/doubts/{{house}}.log",
     benchmark:
         f"logs/{DATASET}/benchmarks/doubts/{{house}}.tsv"
-    priority: -1  # after what others wait for
+    priority: -1  # after jobs that other jobs wait for
     conda:
         "../../envs/plan2scene.yaml"
     threads: 1
@@ -168,10 +168,10 @@ rule contact_sheet:
         f"logs/{DATASET}/contact_sheet/{{house}}.log",
     benchmark:
         f"logs/{DATASET}/benchmarks/contact_sheet/{{house}}.tsv"
-    priority: -1  # after what others wait for
+    priority: -1  # after jobs that other jobs wait for
     conda:
         "../../envs/plan2scene.yaml"
-    threads: 1  # others of its house run beside it
+    threads: 1  # other jobs of its house run at the same time
     resources:
         mem_mb=1000,
     params:

@@ -6,14 +6,14 @@ STUDY = config["study"]
 STUDY_METHODS = list(
     dict.fromkeys(method for pair in STUDY["pairs"] for method in pair)
 )
-# Methods of the table, whose tiles are there already, and the others.
+# Methods of the table, whose tiles are made for the table, and other methods.
 STUDY_COMPARED = [method for method in STUDY_METHODS if method in METHODS]
 STUDY_OTHERS = [method for method in STUDY_METHODS if method not in METHODS]
 STUDY_HOUSES = study_houses(HOUSES, STUDY["houses"], seed=config["seed"])
 
 
 rule study_house:
-    # Plan, photos and a render by each method, all photos visible.
+    # Plan, photos and a render by each method, with no photo hidden.
     input:
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         assignment=assignment_of,
@@ -46,7 +46,7 @@ rule study_house:
 
 
 rule study:
-    # One offline page that asks, and which method was on which side.
+    # One offline page with the questions, and the key: which method is on which side.
     input:
         sheets=expand(f"{RESULTS}/study/houses/{{house}}", house=STUDY_HOUSES),
     output:
@@ -75,7 +75,7 @@ rule study:
 
 
 rule study_result:
-    # Preferences with 95 % intervals.
+    # Preferences between methods, with 95 % intervals.
     input:
         key=f"{RESULTS}/study/key.csv",
         answers=study_answers_of,

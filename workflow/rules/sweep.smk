@@ -3,7 +3,7 @@ from plan2scene.datasets.drops import SWEEP_DROPS
 
 
 rule sweep_house:
-    # A house at all drop fractions by all methods, in one job: each step takes less than a start.
+    # A house at all drop fractions by all methods, in one job: a step takes less time than a start.
     input:
         **given(pool=POOL),
         **made(EVALUATION_MODELS),
@@ -40,7 +40,7 @@ rule sweep_house:
 
 
 rule sweep:
-    # The curves over all houses.
+    # The table and curves over all houses.
     input:
         sweeps=house_files("sweep.parquet"),
         references=house_files("reference_features.parquet"),

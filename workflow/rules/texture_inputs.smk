@@ -1,6 +1,6 @@
-# Inputs and params of rule textures, which differ by method.
+# Functions for the inputs and params of rule textures, which differ by method.
 def seam_correction(*methods):
-    """Return whether seams are corrected by method: as configured, else as registered."""
+    """Return for each method whether seams are corrected: as configured, else as registered."""
     chosen = config["textures"]["seam_correction"]
     return {
         name: chosen.get(name, TEXTURE_METHODS[name].seam_correction)
@@ -16,7 +16,7 @@ def decoder(method):
 
 @functools.cache
 def texture_params(method):
-    """Return the params that are alike for all houses."""
+    """Return the params that are the same for all houses."""
     models = decoder(method)
     corrected = seam_correction(method)
     return {"models": models, "hashes": hashes(models), "seam_correction": corrected}
@@ -36,7 +36,7 @@ def textures_of(wildcards):
 
 
 def maps_of(wildcards):
-    """Return whether to make maps of whole surfaces, too: for the 3D house alone."""
+    """Return whether to make maps of whole surfaces too: only for the 3D house."""
     return shown_in_3d(wildcards) and config["house"]["surfaces"] == "maps"
 
 

@@ -1,5 +1,5 @@
 rule texture_library:
-    # Tileable textures: what Retrieve chooses from.
+    # Tileable textures from which method retrieve chooses.
     output:
         f"{RESULTS}/texture_library.parquet",
     log:

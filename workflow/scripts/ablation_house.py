@@ -1,4 +1,4 @@
-"""Rule ablation_house: a house by method synth with parts of it left out -> metrics."""
+"""Rule ablation_house: a house, by variants of method synth -> metrics."""
 
 from pathlib import Path
 

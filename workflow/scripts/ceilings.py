@@ -1,4 +1,4 @@
-"""Rule ceilings: a house whose plan may not say how high it is, and its masks -> scene.json."""
+"""Rule ceilings: a plan that may lack heights, and masks of the photos -> scene.json."""
 
 from plan2scene.datasets.assignments import rooms_of_photos
 from plan2scene.photos.locate.ceilings import measure_ceilings

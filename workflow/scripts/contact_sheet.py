@@ -1,4 +1,4 @@
-"""Rule contact_sheet: what became of a house's photos -> a picture to look at."""
+"""Rule contact_sheet: masks, planes and crops of a house's photos -> a picture to look at."""
 
 import json
 from pathlib import Path

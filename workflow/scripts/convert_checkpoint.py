@@ -1,4 +1,4 @@
-"""Rule convert_checkpoint: a released checkpoint of the texture model -> our weight file."""
+"""Rule convert_checkpoint: a released checkpoint of a network -> our weight file."""
 
 from plan2scene.checkpoints.convert import convert_checkpoint
 from plan2scene.workflow.jobs import job

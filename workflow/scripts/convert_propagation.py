@@ -1,4 +1,4 @@
-"""Rule convert_propagation: a released checkpoint and means of training surfaces -> weights."""
+"""Rule convert_propagation: a released checkpoint and training crops -> our weight file."""
 
 import torch
 

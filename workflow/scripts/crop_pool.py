@@ -1,4 +1,4 @@
-"""Rule crop_pool: crops of the pool's houses -> one crop per surface of them."""
+"""Rule crop_pool: crops of the pool's houses -> one crop for each of their surfaces."""
 
 from plan2scene.textures.crops import write_pool
 from plan2scene.workflow.jobs import job

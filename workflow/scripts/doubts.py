@@ -1,4 +1,4 @@
-"""Rule doubts: plan, photos and where they were placed -> the page of what is not sure."""
+"""Rule doubts: plan, photos and their places -> a page of doubtful results."""
 
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.workflow.jobs import job

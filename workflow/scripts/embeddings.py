@@ -6,7 +6,7 @@ from plan2scene.textures.model.embedding import make_embeddings
 from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]):
-    torch.set_num_threads(1)  # crops are worked on beside each other
+    torch.set_num_threads(1)  # several crops are processed at the same time
     params = snakemake.params
     make_embeddings(
         snakemake.input.crops,

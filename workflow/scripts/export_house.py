@@ -1,4 +1,4 @@
-"""Rule export_house: plan and textures -> the house in another program's form."""
+"""Rule export_house: plan and textures -> the house in another program's file format."""
 
 from plan2scene.workflow.jobs import job
 from plan2scene_app.exports.registry import export_house

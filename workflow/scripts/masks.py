@@ -14,7 +14,7 @@ with job(snakemake.log[0]) as log:
         log.info("photos' rooms: told by the things in them, too")
     elif params.find_rooms:
         log.warning("photos' rooms: more are found with the extra 'rooms' (photos.kinds)")
-    # All names of the house table: the stage says which photos are missing or unsafe.
+    # All photo names of the house table: the stage reports missing photos and unsafe names.
     make_masks(
         {name: Path(params.photo_folder) / name for name in json.loads(params.names)},
         lambda: labeller(
@@ -26,7 +26,7 @@ with job(snakemake.log[0]) as log:
             precomputed_dir=params.masks_folder,
             pretrained=params.pretrained,
             openings=params.openings,
-            threads=1,  # photos are worked on beside each other
+            threads=1,  # several photos are processed at the same time
             house_id=house_id,
         ),
         snakemake.output[0],

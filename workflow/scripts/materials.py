@@ -1,4 +1,4 @@
-"""Rule materials: crops and embeddings -> observed surfaces, and which of them are one material."""
+"""Rule materials: crops and embeddings -> observed surfaces, and the materials that they share."""
 
 from plan2scene.propagation.house_materials import find_materials
 from plan2scene.textures.observed_surfaces import select_surfaces

@@ -13,7 +13,7 @@ inputs, output = snakemake.input, snakemake.output
 
 
 def set_finishes(folder: Path) -> None:
-    """Set what the house's owner chose; PyTorch takes seconds to import, so it is imported late."""
+    """Apply the owner's finishes; the import is here because PyTorch takes seconds to import."""
     from plan2scene_app.set_by_hand import set_by_hand
 
     set_by_hand(folder, finishes, inputs.crops, output.paint)

@@ -1,4 +1,4 @@
-"""Rule study: what the study shows of each house -> the form and its key."""
+"""Rule study: the sheets of the houses -> the study's form and its key."""
 
 from plan2scene.workflow.jobs import job
 from plan2scene_app.study.study import write_study

@@ -1,4 +1,4 @@
-"""Rule study_house: plan, photos and textures of a house -> what the user study shows of it."""
+"""Rule study_house: plan, photos and textures of a house -> its sheet in the user study."""
 
 import json
 from pathlib import Path

@@ -8,7 +8,7 @@ from plan2scene.workflow.jobs import job
 
 with job(snakemake.log[0]):
     inputs, params = snakemake.input, snakemake.params
-    own = params.textures  # of this method, drop fraction and house
+    own = params.textures  # params of this method, drop fraction and house
     files = HouseFiles.of(inputs, snakemake.wildcards.house)
     house = HouseData(files).at(
         Visible(Path(inputs.propagated), own["hidden"]),

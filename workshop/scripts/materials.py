@@ -1,4 +1,4 @@
-"""Rule materials: procedural and real textures to learn from and to measure with."""
+"""Rule materials: procedural and real textures for training and for measuring."""
 
 from plan2scene.workflow.jobs import job
 from plan2scene_workshop.texture.data import MaterialSettings, write_materials

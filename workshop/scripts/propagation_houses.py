@@ -1,4 +1,4 @@
-"""Rule propagation_houses: synthetic houses with lit crops of every surface."""
+"""Rule propagation_houses: synthetic houses with a crop of every surface."""
 
 from plan2scene.workflow.jobs import job
 from plan2scene_workshop.propagation.data import write_training_houses

@@ -11,7 +11,7 @@ with job(snakemake.log[0]):
     params, split = snakemake.params, snakemake.wildcards.split
     root, house = Path(snakemake.output.plan).parents[2], snakemake.wildcards.house
     folders = [params.textures] if isinstance(params.textures, str) else params.textures or []
-    # What the training houses show is not seen in the others.
+    # Houses of the train split and of the other splits use different data.
     sources = load_sources(
         tuple(folders), params.environments, params.models, train=split == "train"
     )

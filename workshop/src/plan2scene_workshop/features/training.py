@@ -1,4 +1,4 @@
-"""Training of the embedded features network: substance of badly photographed materials."""
+"""Training of the embedded features network, which names the substance of degraded crops."""
 
 from __future__ import annotations
 
@@ -49,18 +49,18 @@ heavy shadow lower the accuracy.
 class FeaturesSettings:
     """Hyperparameters of the features network's training."""
 
-    # What is drawn.
-    batch: int = 32  #: crops in a step
-    scanned_share: float = 0.4  #: of the crops, those of real textures, where there are any
-    photographed_share: float = 0.75  #: of the crops, those spoiled as in a photo of a room
+    # Sampling.
+    batch: int = 32  #: number of crops in a step
+    scanned_share: float = 0.4  #: share of crops from real textures, if there are any
+    photographed_share: float = 0.75  #: share of crops that are degraded as in a photo of a room
 
-    # Optimiser: AdamW; a linear rise over 5 % of the steps, then a cosine to 0.
+    # Optimiser: AdamW; the rate rises linearly over 5 % of the steps, then falls by a cosine to 0.
     steps: int = 4000
     learning_rate: float = 3e-3  #: at the peak
     weight_decay: float = 1e-2
     label_smoothing: float = 0.05  #: a window may show no joint of its planks or tiles
 
-    held_out_crops: int = 1000  #: of each held-out set, for the card; features' scale has as many
+    held_out_crops: int = 1000  #: crops of each held-out set for the card; also for `standardise`
 
 
 def draw_photographed(
@@ -70,7 +70,7 @@ def draw_photographed(
     rng: np.random.Generator,
     photographed_share: float,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return crops (n, 128, 128, 3) uint8, some as photos show them, and substances (n,) int64."""
+    """Return crops (n, 128, 128, 3) uint8, some degraded like photos, and substances (n,) int64."""
     weights = sampling_weights(textures, scanned_share)
     crops, substances = draw_crops(textures, weights, count, rng, closest_px=96)
     return photographed(crops, rng, ROOM_PHOTO, photographed_share), substances
@@ -87,7 +87,7 @@ def train_network(
 ) -> Trained[SubstanceNetwork]:
     """Return the trained network; its features have no scale yet.
 
-    `checkpoint` is continued where it is of this run; `run` tells these textures from others.
+    Training continues from `checkpoint` if it is of this run; `run` identifies the textures.
     """
     torch.manual_seed(derive_seed(seed, "features weights"))
     network = SubstanceNetwork().to(device)
@@ -127,7 +127,7 @@ def standardise(network: SubstanceNetwork, crops: np.ndarray) -> None:
     with torch.inference_mode():
         parts = np.array_split(crops, max(1, len(crops) // 64))
         hidden = torch.cat([network.hidden(_as_tensor(part)) for part in parts])
-    # A feature that (almost) never fires would be blown up by its tiny spread.
+    # Division by the tiny spread of a feature that (almost) never fires would make it huge.
     spread = hidden.std(dim=0)
     network.shift.copy_(hidden.mean(dim=0))
     network.scale.copy_(torch.maximum(spread, 0.1 * spread.mean()))
@@ -156,8 +156,8 @@ def train_features(
 ) -> dict[str, float]:
     """Train the network, write its weights and card; return held-out accuracies by set.
 
-    `materials` is a file of :func:`plan2scene_workshop.texture.data.write_materials`; `checkpoint`
-    is continued where it is of this run.
+    `materials` is a file of :func:`plan2scene_workshop.texture.data.write_materials`. Training
+    continues from `checkpoint` if it is of this run.
     """
     textures, held_out = read_materials(materials)
     trained = train_network(
@@ -191,5 +191,5 @@ def train_features(
 
 
 def _recalls(counts: np.ndarray) -> list[float]:
-    """Return the share of each true substance (row) that is named rightly."""
+    """Return the recall of each true substance (row)."""
     return (counts.diagonal() / np.maximum(counts.sum(axis=1), 1)).tolist()

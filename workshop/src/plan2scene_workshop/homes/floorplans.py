@@ -1,4 +1,4 @@
-"""Random apartments: rooms, doors, passages and windows as a plan of a listing would have them."""
+"""Random apartments: rooms, doors, passages and windows like those of plans in listings."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from plan2scene.seeds import generator
 from plan2scene_workshop.homes.layouts import OUTSIDE, GridPlan, draw_layout
 from plan2scene_workshop.homes.openings import Border, Hole, draw_doors, draw_entrance, draw_windows
 
-#: Rooms of a home and how often each number is drawn.
+#: Numbers of rooms, each with its probability.
 ROOM_COUNTS = {4: 0.1, 5: 0.17, 6: 0.2, 7: 0.19, 8: 0.15, 9: 0.11, 10: 0.08}
 HEIGHT_M = (2.3, 3.0)
 LEAST_WIDTH_M = 0.75  #: of every part of a room
@@ -40,7 +40,7 @@ def generate_house(house_id: str, seed: int) -> House:
 
 
 def _furnish(rng: np.random.Generator, house_id: str, plan: GridPlan) -> House | None:
-    """Return a layout as a house with openings, or None when rooms stay unreachable."""
+    """Return a layout as a house with openings; None if a room is too narrow or unreachable."""
     scale = 0.1 * float(rng.uniform(0.94, 1.08))
     height = round(float(rng.uniform(*HEIGHT_M)), 2)
     rings = [_ring(plan.labels == k, scale) for k in range(len(plan.types))]
@@ -86,13 +86,13 @@ def _room_ids(plan: GridPlan) -> list[str]:
 
 
 def _narrow(ring: Ring) -> bool:
-    """Tell whether nobody could stand in a room, or it has a leg too thin to walk through."""
+    """Return whether a room, or a part of it, is too narrow for a person."""
     inner = shapely.Polygon(ring).buffer(-LEAST_WIDTH_M / 2, join_style="mitre")
     return bool(inner.is_empty or inner.geom_type != "Polygon")
 
 
 def _ring(mask: np.ndarray, scale: float) -> Ring | None:
-    """Return the outline of a room in metres, or None when it is not one simple region."""
+    """Return the outline of a room in metres; None if it is not one region without holes."""
     boxes = []
     for z in np.flatnonzero(mask.any(1)):
         steps = np.flatnonzero(np.diff(np.r_[0, mask[z].astype(np.int8), 0]))
@@ -110,7 +110,7 @@ def _ring(mask: np.ndarray, scale: float) -> Ring | None:
 
 
 def _borders(labels: np.ndarray, scale: float) -> list[Border]:
-    """Return every straight stretch between two rooms or a room and the outside."""
+    """Return every straight border between two rooms or between a room and the outside."""
     borders = []
     for axis, grid in ((0, labels), (1, labels.T)):
         for line in range(1, grid.shape[0]):
@@ -139,7 +139,7 @@ def _walls(room: Room, index: int, holes: list[Hole], depth: float) -> list[Wall
 
 
 def _on_edge(hole: Hole, start: Point, end: Point) -> bool:
-    """Tell whether an opening lies on an edge of a room's outline."""
+    """Return whether an opening lies on an edge of a room's outline."""
     along, across = hole.border.axis, 1 - hole.border.axis
     if start[across] != end[across] or start[across] != hole.border.line:
         return False

@@ -1,4 +1,4 @@
-"""Layouts of apartments on a grid of decimetres: which room every square belongs to.
+"""Layouts of apartments on a decimetre grid that gives the room of every square.
 
 Two families: *corridor* (two strips of rooms along a corridor, often with the reception across
 its end) and *hub* (rooms around a reception). Rooms become L-shaped where one turns around the
@@ -25,7 +25,7 @@ AREA_M2 = {
 }
 #: Least side of a room in decimetres.
 LEAST_SIDE = {"Reception": 30, "Bedroom": 24, "Kitchen": 18, "Bathroom": 15}
-#: Rooms beyond the first five, with the weight they are added by and how many at most.
+#: Types of the rooms that are added to the basic ones: (relative probability, largest number).
 EXTRAS = {
     "Bedroom": (4.0, 3),
     "Closet": (2.2, 2),
@@ -52,7 +52,7 @@ class GridPlan:
 
 
 def draw_layout(rng: np.random.Generator, rooms: int) -> GridPlan | None:
-    """Return a layout of about `rooms` rooms, or None when the draw has no room for all."""
+    """Return a random layout of about `rooms` rooms; None if a closet or balcony does not fit."""
     program = _program(rng, rooms)
     corridor = len(program) >= 6 or (len(program) == 5 and rng.random() < 0.5)
     canvas = _corridor(rng, program) if corridor else _hub(rng, program)
@@ -97,11 +97,11 @@ class _Canvas:
         return len(self.types) - 1
 
     def extend(self, index: int, z0: int, z1: int, x0: int, x1: int) -> None:
-        """Give a rectangle to a room that is there already."""
+        """Give a rectangle to an existing room."""
         self.labels[z0 + MARGIN : z1 + MARGIN, x0 + MARGIN : x1 + MARGIN] = index
 
     def cut_corner(self, rng: np.random.Generator, kind: str) -> bool:
-        """Cut a new room from a corner of a bedroom, corridor side first; False if none fits."""
+        """Cut a new room from a corner of a bedroom, else of a reception; False if none fits."""
         hosts = [i for i, t in enumerate(self.types) if t[0] in ("Bedroom", "Reception")]
         hosts.sort(key=lambda i: (self.types[i][0] != "Bedroom", rng.random()))
         depth, width = int(rng.integers(8, 15)), int(rng.integers(9, 18))
@@ -120,7 +120,7 @@ class _Canvas:
         return False
 
     def _inside(self, z0: int, x0: int, depth: int, width: int) -> bool:
-        """Tell whether a rectangle borders another room (closets don't belong in outer corners)."""
+        """Return whether a rectangle borders another room (closets are not in outer corners)."""
         rim = self.labels[z0 - 1 : z0 + depth + 1, x0 - 1 : x0 + width + 1]
         labels, counts = np.unique(
             np.r_[rim[0], rim[-1], rim[:, 0], rim[:, -1]], return_counts=True
@@ -128,7 +128,7 @@ class _Canvas:
         return int(np.sum(counts[labels != OUTSIDE] > 7)) >= 2
 
     def attach(self, rng: np.random.Generator, kind: str) -> bool:
-        """Add a balcony, terrace or garden outside a reception, bedroom or kitchen."""
+        """Add a balcony, terrace or garden to a reception, bedroom or kitchen; False on failure."""
         depth = int(rng.integers(11, 19) if kind == "Balcony" else rng.integers(18, 36))
         want = int(rng.integers(20, 46))
         for _ in range(40):
@@ -150,7 +150,7 @@ class _Canvas:
         return False
 
     def finish(self, rng: np.random.Generator) -> GridPlan:
-        """Return the plan, turned and mirrored at random, cropped to one free square around."""
+        """Return the plan, turned and mirrored at random, with one free square on each side."""
         labels = np.rot90(self.labels, int(rng.integers(0, 4)))
         if rng.random() < 0.5:
             labels = labels[:, ::-1]
@@ -160,7 +160,7 @@ class _Canvas:
 
 
 def _host_weights(types: list[tuple[str, ...]]) -> np.ndarray:
-    """Return how likely each room has a balcony."""
+    """Return the probability of each room to get the balcony."""
     weight = {"Reception": 4.0, "Bedroom": 1.5, "Kitchen": 0.8}
     weights = np.array([weight.get(names[0], 0.0) for names in types])
     return weights / weights.sum()
@@ -209,7 +209,7 @@ def _corridor(rng: np.random.Generator, program: list[str]) -> _Canvas:
 def _strips(
     rng: np.random.Generator, names: list[str], depths: tuple[int, int]
 ) -> tuple[list[tuple[str, int]], list[tuple[str, int]]]:
-    """Return (room, width) of both strips, filled evenly, the large rooms first."""
+    """Return (room, width) of both strips, filled to similar lengths, large rooms first."""
     order = sorted(names, key=lambda n: -AREA_M2[n.split("+")[0]][1] + rng.uniform(-6, 6))
     strips: tuple[list[tuple[str, int]], list[tuple[str, int]]] = ([], [])
     for name in order:
@@ -219,7 +219,7 @@ def _strips(
 
 
 def _edges(parts: list[tuple[str, int]], length: int | None) -> list[int]:
-    """Return the borders of rooms side by side, stretched to `length` (small rooms least)."""
+    """Return the borders of rooms side by side, stretched to `length` (bathrooms least)."""
     widths = np.array([w for _, w in parts], dtype=float)
     if length is not None:
         stretch = np.array([1.0 if n.split("+")[0] != "Bathroom" else 0.25 for n, _ in parts])
@@ -238,7 +238,7 @@ def _paint_aisle(
     place: tuple[int, int, int],
     ends: list[tuple[int, int, int]],
 ) -> None:
-    """Paint the corridor: its left end may be an entrance or belong to a room that turns there."""
+    """Paint the corridor; its left end may be an entrance or belong to an L-shaped room."""
     z0, z1, length = place
     start = 0
     index, left, right = ends[int(rng.integers(0, 2))]
@@ -255,7 +255,7 @@ def _paint_aisle(
 
 
 def _hub(rng: np.random.Generator, program: list[str]) -> _Canvas:
-    """Paint a reception with a column of rooms beside it and others cut from its corners."""
+    """Paint a reception with a column of rooms beside it, and other rooms cut from its corners."""
     reception = next(n for n in program if n.startswith("Reception"))
     column = [n for n in program if n in AREA_M2 and not n.startswith("Reception")]
     corner = ["Entrance"] if "Entrance" in program else []

@@ -1,4 +1,4 @@
-"""Doors, passages and windows of a grid plan: what joins which rooms, and where."""
+"""Doors, passages and windows of a grid plan: which rooms they join, and where they are."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from plan2scene_workshop.homes.layouts import OUTSIDE, GridPlan
 
-#: How natural a door between two room types is; pairs that are not named have `_ODD_DOOR`.
+#: How natural a door between two room types is; for all other pairs it is `_ODD_DOOR`.
 DOOR_WEIGHT = {
     frozenset(("Corridor", "Reception")): 1.0,
     frozenset(("Corridor", "Bedroom")): 1.0,
@@ -39,21 +39,21 @@ DOOR_WEIGHT = {
     frozenset(("Kitchen", "Bathroom")): 0.2,
 }
 _ODD_DOOR = 0.1
-#: Chance of a further door between rooms that the first doors already connect.
+#: Probability of an additional door between two rooms (one that is not needed to reach them).
 EXTRA_DOOR = {
     frozenset(("Reception", "Kitchen")): 0.6,
     frozenset(("Corridor", "Reception")): 0.3,
     frozenset(("Bedroom", "Bathroom")): 0.12,
     frozenset(("Reception", "Balcony")): 1.0,
 }
-#: Chance that a join is an open passage instead of a door.
+#: Probability that two rooms are joined by an open passage instead of a door.
 PASSAGE = {
     frozenset(("Reception", "Kitchen")): 0.5,
     frozenset(("Corridor", "Reception")): 0.3,
     frozenset(("Corridor", "Entrance")): 0.5,
     frozenset(("Entrance", "Reception")): 0.4,
 }
-#: Chance that a stretch of outer wall long enough for a window has one.
+#: Probability of each possible window in an outer wall, by room type.
 WINDOW = {
     "Reception": 0.95,
     "Bedroom": 0.92,
@@ -74,9 +74,9 @@ _FREE = 0.12  # metres between openings, and from an opening to a corner
 
 @dataclass(frozen=True)
 class Border:
-    """A straight stretch where room `a` (smaller coordinate) meets room `b`, metres.
+    """A straight line between room `a` (on the side of smaller coordinates) and room `b`, metres.
 
-    `axis` 0 runs along x at z = `line`, 1 along z at x = `line`.
+    With `axis` 0 it runs along x at z = `line`, with 1 along z at x = `line`.
     """
 
     a: int
@@ -107,7 +107,7 @@ class Hole:
 def draw_doors(
     rng: np.random.Generator, plan: GridPlan, borders: list[Border], height: float
 ) -> list[Hole] | None:
-    """Return doors and passages that connect all rooms, or None when that can't be."""
+    """Return doors and passages that connect all rooms; None if that is impossible."""
     graph = nx.Graph()
     graph.add_nodes_from(range(len(plan.types)))
     for border in borders:
@@ -149,7 +149,7 @@ def _pair_value(table: dict[frozenset[str], float], a: Iterable[str], b: Iterabl
 
 
 def _open_air(plan: GridPlan, index: int) -> bool:
-    """Tell whether a room is a balcony, terrace or garden."""
+    """Return whether a room is a balcony, terrace or garden."""
     return plan.types[index][0] in OPEN_AIR
 
 
@@ -161,7 +161,7 @@ def _inner_door(
     height: float,
     holes: list[Hole],
 ) -> Hole | None:
-    """Return a door, glass door or passage on a border; None when it has no room."""
+    """Return a door, glass door or passage on a border; None if it does not fit."""
     types = plan.types[border.a], plan.types[border.b]
     names = {*types[0], *types[1]}
     longest = border.length - 2 * _FREE
@@ -187,9 +187,9 @@ def _place(
     *,
     corner: float,
 ) -> Hole | None:
-    """Return an opening of `width` on a border clear of the others; None when it has no room.
+    """Return an opening of `width` on a border, clear of the others; None if it does not fit.
 
-    `corner` is the chance that it lies close to an end of the border.
+    `corner` is the probability that it lies close to an end of the border.
     """
     low, high = border.low + _FREE, border.high - _FREE - width
     if width < 0.4 or high < low - 1e-9:
@@ -219,7 +219,7 @@ def draw_entrance(
     holes: list[Hole],
     height: float,
 ) -> Hole | None:
-    """Return the door to the outside: into the entrance, else corridor, reception, kitchen."""
+    """Return the door from outside into the entrance, or else corridor, reception or kitchen."""
     top = min(2.1, height - 0.1)
     for wanted in ("Entrance", "Corridor", "Reception", "Kitchen"):
         outer = [
@@ -244,7 +244,7 @@ def draw_windows(
     holes: list[Hole],
     height: float,
 ) -> list[Hole]:
-    """Return windows on outer walls, in the style of one house."""
+    """Return windows on outer walls; a house has one sill height, head height and spacing."""
     sill, head = float(rng.uniform(0.75, 1.1)), float(rng.uniform(2.0, 2.3))
     pitch = float(rng.uniform(2.2, 3.6))
     taken = list(holes)

@@ -1,4 +1,4 @@
-"""Photos of a plan that is there already, of one storey or several: how examples get theirs.
+"""Renders photos of an existing plan with one or more storeys; the examples' photos come from it.
 
 ``python -m plan2scene_workshop.homes.plan_photos PLAN FOLDER ROOM...`` writes ``FOLDER/photos/``
 and ``FOLDER/photos.csv``; a room that is named twice gets two photos.
@@ -18,15 +18,15 @@ from plan2scene_workshop.homes.residences import write_assignment
 from plan2scene_workshop.homes.style import assign_materials
 from plan2scene_workshop.rendering import encode_jpeg, plan_views, render_house
 
-#: Height and width of the photos, their quality, light paths a pixel.
+#: Height and width of the photos in pixels, their JPEG quality, and light paths per pixel.
 SIZE, QUALITY, SAMPLES = (720, 960), 85, 24
 
 
 def photograph_plan(plan: str | Path, folder: str | Path, rooms: Sequence[str], seed: int) -> None:
-    """Write photos of the named rooms and the table of them, in the plan's style.
+    """Write photos of the named rooms, and their table; materials are drawn for the plan.
 
-    Storeys are photographed one by one: a room is seen with its own level's rooms alone, so stairs
-    between levels are in no photo. The same seed gives the same bytes.
+    Each storey is rendered alone: photos show only rooms of the same storey, and no stairs between
+    storeys. The same seed gives the same bytes.
     """
     house = read_plan(plan, Path(plan).parent.name)
     materials = assign_materials(house, derive_seed(seed, "style"))

@@ -1,4 +1,4 @@
-"""Synthetic data sets: one house with photos and truth at a time, then the index of all.
+"""Writes synthetic data sets: house after house with photos and truth, then the index of all.
 
 Layout and schemas: ``docs/conventions.md`` (Rent3D++ layout plus ``truth/``).
 """
@@ -37,9 +37,9 @@ from plan2scene_workshop.rendering.sources import Sources
 
 _LOGGER = logging.getLogger("plan2scene")
 
-#: Shares of photos that unobserved_photos.json hides.
+#: Shares of hidden photos for which unobserved_photos.json has a list.
 DROP_FRACTIONS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
-#: How much more likely a room type is photographed than another (listings show living rooms).
+#: Relative probability that a room type is photographed (listings mostly show living rooms).
 PHOTO_WEIGHT = {
     "Reception": 60.0,
     "Kitchen": 5.0,
@@ -54,7 +54,7 @@ PHOTO_WEIGHT = {
     "Outdoor": 0.2,
     "Closet": 0.1,
 }
-#: Rooms that a person with a camera can't stand in get no photo: least inner width in metres.
+#: Smallest inner width in metres of a room with photos: a person with a camera must fit in.
 LEAST_PHOTO_WIDTH = 1.0
 
 
@@ -63,14 +63,14 @@ class ResidenceOptions:
     """How a synthetic house is photographed and stored."""
 
     photos: tuple[int, int] = (4, 8)  #: range of photos per house
-    hidden_room_share: float = 0.4  #: of the rooms, those without any photo
+    hidden_room_share: float = 0.4  #: share of rooms without any photo
     height: int = 480  #: of a photo, pixels
-    width: int = 640
-    samples_per_pixel: int = 16  #: light paths of the renderer
-    jpeg_quality: tuple[int, int] = (78, 92)  #: range, drawn per photo
-    tile_px: int = 256  #: side of the albedo tiles in truth/
-    random_room_share: float = 0.0  #: of the rooms, those unlike listings' (rendering.randomised)
-    variant: str | None = None  #: of Mitsuba; the first that works when None
+    width: int = 640  #: of a photo, pixels
+    samples_per_pixel: int = 16  #: light paths per pixel
+    jpeg_quality: tuple[int, int] = (78, 92)  #: range; a value is drawn for each photo
+    tile_px: int = 256  #: side of the albedo tiles in truth/, pixels
+    random_room_share: float = 0.0  #: share of rooms with random looks (`rendering.randomised`)
+    variant: str | None = None  #: Mitsuba variant; None: the first that works
 
 
 def residence_names(prefix: str, counts: Mapping[str, int]) -> dict[str, str]:
@@ -89,12 +89,12 @@ def write_residence(
 ) -> House:
     """Write one synthetic house: plan, photo table, photos, truth; return the house.
 
-    Only files of this house are written, so that houses can be made at the same time. The same
-    seed, options, sources and Mitsuba variant give the same bytes.
+    Only files of this house are written, so that several houses can be made at the same time. The
+    same seed, options, sources and Mitsuba variant give the same bytes.
 
-    `root` is the data set's folder and `seed` its seed, of which each house derives its own; the
-    style model mixes the real textures of `sources` in, and their models furnish the rooms.
-    InputError when Mitsuba or its variant does not work.
+    `root` is the data set's folder and `seed` its seed; each house derives its own seed from it.
+    The style model also uses the real textures of `sources`, and their models furnish the rooms.
+    InputError if Mitsuba or its variant does not work.
     """
     options, sources = options or ResidenceOptions(), sources or Sources()
     root = Path(root)
@@ -132,7 +132,7 @@ def _photographed(
     seed: int,
     rng: np.random.Generator,
 ) -> Iterator[RenderedPhoto]:
-    """Yield the photos of a house; `seed` is the data set's."""
+    """Yield the photos of a house; `seed` is that of the data set."""
     accents = accent_walls(house, derive_seed(seed, "accents"))
     rooms = photographed_rooms(house, options.hidden_room_share, rng)
     low, high = options.photos
@@ -160,13 +160,13 @@ def _photographed(
 
 
 def clear_photos(root: Path, house_id: str) -> None:
-    """Remove a house's photos: an earlier run of it may have had more."""
+    """Remove a house's photos, because an earlier run may have written more of them."""
     for old in (root / "photos").glob(f"{house_id}_[0-9][0-9].jpg"):
         old.unlink()
 
 
 def write_assignment(path: Path, rows: Sequence[tuple[str, str]]) -> None:
-    """Write the photo table of (room id, photo) rows."""
+    """Write a photo table with rows (room id, photo)."""
     with atomic_path(path) as temporary:
         lines = ["room_id,photo", *(",".join(row) for row in rows)]
         temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
@@ -220,10 +220,10 @@ def write_dataset_index(root: str | Path, houses: Mapping[str, str], seed: int) 
     Parameters
     ----------
     houses : mapping
-        House name to split, as from :func:`residence_names`; their files are there already.
+        House name to split, as from :func:`residence_names`; their files must exist.
     seed : int
-        Decides which photos are hidden: of each house the given share, and those that a smaller
-        share hides are hidden by a larger one too.
+        Decides which photos are hidden. Each share holds for each house, and a larger share hides
+        all photos that a smaller one hides.
     """
     root = Path(root)
     hidden: dict[str, list[str]] = {f"{fraction:.1f}": [] for fraction in DROP_FRACTIONS}

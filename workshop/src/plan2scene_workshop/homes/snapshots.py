@@ -1,4 +1,4 @@
-"""One synthetic house of training photos: many snapshots of each room, with labels and targets."""
+"""Writes a synthetic house for training: many snapshots of each room, with labels and targets."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ from plan2scene_workshop.rendering.sources import Sources
 from plan2scene_workshop.rendering.tracer import load_mitsuba
 
 _LOGGER = logging.getLogger("plan2scene")
-#: Chance that a room of a type is photographed; 1 for those not named.
+#: Probability that a room of a type is photographed; 1 for types not named.
 _CHANCE = {"Corridor": 0.2, "Entrance": 0.2, "Closet": 0.05, "Balcony": 0.1, "Terrace": 0.2}
-#: The same for homes as they are listed, and how often what is built in stands in them.
+#: The same for homes like those of listings, and the factor on their numbers of built-in pieces.
 _CHANCE_LISTED = {
     **{"Corridor": 0.4, "Entrance": 0.5, "Closet": 0.5, "Staircase": 0.3, "Bedroom": 0.7},
     **{"Balcony": 0.0, "Terrace": 0.0, "Outdoor": 0.0, "Unknown": 0.0, "Reception": 0.8},
 }
 _BUILT_IN_LISTED = 2.0
-#: Of homes that people have moved out of, those with one floor and one pale paint all through.
+#: Factor on `emptied`: their product is the share of homes with the style `PLAIN`.
 PLAIN_SHARE = 0.6
 
 
@@ -44,16 +44,16 @@ PLAIN_SHARE = 0.6
 class SnapshotOptions:
     """How a synthetic house is photographed for training."""
 
-    views: int = 6  #: most snapshots of a room
-    long_side: int = 448  #: of a photo, pixels
-    randomised: float = 0.5  #: share of the rooms that are randomised
-    emptied: float = 0.0  #: share of the rooms that were moved out of
-    covered: float = 0.0  #: share of the windows that blinds or curtains shut
-    joinery: bool = False  #: fitted closets, leaves of many kinds, glass doors onto balconies
-    listed: bool = False  #: homes as they are listed: rooms full of what they are used for
+    views: int = 6  #: largest number of snapshots of a room
+    long_side: int = 448  #: longer side of a photo, pixels
+    randomised: float = 0.5  #: share of rooms with randomised looks
+    emptied: float = 0.0  #: share of rooms that are nearly empty, as after moving out
+    covered: float = 0.0  #: share of windows covered by blinds or curtains
+    joinery: bool = False  #: whether there are fitted closets, various doors, and glass doors
+    listed: bool = False  #: homes like those of listings, with furniture for each room's use
     targets: bool = True  #: write normals and depth beside the masks
-    jpeg_quality: tuple[int, int] = (50, 95)  #: range, drawn per photo
-    variant: str | None = None  #: of Mitsuba, a vectorised one
+    jpeg_quality: tuple[int, int] = (50, 95)  #: range; a value is drawn for each photo
+    variant: str | None = None  #: Mitsuba variant (a vectorised one); None: the first that works
 
 
 def write_snapshots(
@@ -68,11 +68,11 @@ def write_snapshots(
     """Write one house: plan, photo table, snapshots, truth; return the house.
 
     Truth masks hold doors (4) and windows (5). The same arguments give the same bytes.
-    InputError when Mitsuba or its variant does not work.
+    InputError if Mitsuba or its variant does not work.
     """
     root = Path(root)
     mi = load_mitsuba(options.variant)
-    importlib.import_module("drjit").set_thread_count(1)  # a house is one job of one core
+    importlib.import_module("drjit").set_thread_count(1)  # one job per house, one core per job
     house = generate_house(house_id, derive_seed(seed, "house"))
     if options.joinery:
         house = _with_glass_doors(house, generator(seed, "glass doors"))
@@ -115,7 +115,7 @@ def write_snapshots(
 def _materials(
     house: House, seed: int, options: SnapshotOptions, sources: Sources
 ) -> dict[SurfaceKey, Material]:
-    """Return the materials of a house, plain ones all through in some of those moved out of."""
+    """Return the materials of a house, of the style `PLAIN` in some houses (see `PLAIN_SHARE`)."""
     plain = generator(seed, "plain").random() < PLAIN_SHARE * options.emptied
     style = PLAIN if plain else VARIED
     return assign_materials(house, derive_seed(seed, "style"), sources.textures, style=style)
@@ -129,7 +129,7 @@ def _decor(
     sources: Sources,
     rng: np.random.Generator,
 ) -> Decor:
-    """Draw the look of one room; its seed is that of all that is drawn for the room."""
+    """Draw the look of one room; the decor's seed also decides all else in the room."""
     room_seed = derive_seed(seed, "room", house_id, room_id)
     decor = draw_decor(
         sources,
@@ -143,7 +143,7 @@ def _decor(
 
 
 def _with_glass_doors(house: House, rng: np.random.Generator) -> House:
-    """Return a house of which some wide windows reach down to the floor."""
+    """Return the house with some wide windows extended down to the floor."""
 
     def lower(opening: Opening) -> Opening:
         wide = opening.kind == "window" and opening.end - opening.start > 1.1
@@ -154,7 +154,7 @@ def _with_glass_doors(house: House, rng: np.random.Generator) -> House:
 
 
 def _listed(decor: Decor, sources: Sources, seed: int) -> Decor:
-    """Return the decor of a room that shows what it is used for, half of them tidied up."""
+    """Return the decor of a room whose furniture shows its use; some rooms are tidied up."""
     if not (decor.randomised or decor.emptied) and generator(seed, "tidied").random() < 0.5:
         decor = listing_decor(sources, seed)
     style = replace(decor.style, kind=None, bulk="", built_in=_BUILT_IN_LISTED)
@@ -171,7 +171,7 @@ def _rooms(house: House, rng: np.random.Generator, chance: Mapping[str, float]) 
 
 
 def _write_targets(truth: Path, name: str, shot: Snapshot) -> None:
-    """Write normals, and depth as 16-bit grey PNG, millimetres."""
+    """Write normals, and depth in millimetres as a 16-bit grey PNG."""
     write_png(truth / "normals" / name, shot.normals)
     done, data = cv2.imencode(".png", shot.depth)
     if not done:

@@ -1,6 +1,7 @@
-"""Which material every surface of a home has: the correlations that propagation can learn.
+"""The style model: it draws the material of every surface of a home.
 
-The tables below are the whole model (workshop/README.md).
+Its correlations between surfaces are what propagation can learn. The tables below are the whole
+model (workshop/README.md).
 """
 
 from __future__ import annotations
@@ -16,9 +17,9 @@ from plan2scene.seeds import derive_seed, generator
 
 #: Floor of the home's main rooms, one material for all of them.
 MAIN_FLOOR = {"wood": 0.72, "tile": 0.16, "carpet": 0.12}
-#: Floor by room type. "main": the home's main floor; "bedroom": the home's carpet (or wood) of
-#: bedrooms; "wet": the home's tile of wet rooms; "neighbour": as the room behind the first door;
-#: a substance: a material of its own.
+#: Floor by room type. "main": the home's main floor; "bedroom": the home's carpet (or wood) for
+#: bedrooms; "wet": the home's tile for wet rooms; "neighbour": that of the room behind the first
+#: door; a substance: a material of its own.
 FLOOR: Mapping[str, Mapping[str, float]] = {
     "Reception": {"main": 1.0},
     "Corridor": {"main": 0.85, "wet": 0.08, "tile": 0.07},
@@ -34,7 +35,7 @@ FLOOR: Mapping[str, Mapping[str, float]] = {
     "Outdoor": {"tile": 0.75, "wood": 0.2, "plaster": 0.05},
 }
 #: Walls by room type. "main": the paint of most rooms; "tint": paint of its own light colour;
-#: "accent": a strong colour; "paper": wallpaper; "wet": the home's wall tile of wet rooms.
+#: "accent": a strong colour; "paper": wallpaper; "wet": the home's wall tile for wet rooms.
 WALL: Mapping[str, Mapping[str, float]] = {
     "Reception": {"main": 0.74, "tint": 0.12, "accent": 0.05, "paper": 0.06, "plaster": 0.03},
     "Corridor": {"main": 0.88, "tint": 0.06, "paper": 0.06},
@@ -57,40 +58,40 @@ CEILING: Mapping[str, Mapping[str, float]] = {
     "Outdoor": {"facade": 0.7, "wood": 0.2, "main": 0.1},
     "": {"main": 0.93, "own": 0.04, "wall": 0.02, "wood": 0.01},
 }
-#: Chance that the wall tile of wet rooms is their floor tile as well.
+#: Probability that the wall tile of wet rooms is also their floor tile.
 SAME_WET_TILE = 0.3
-#: Chance that bedrooms with a floor of their own are carpeted (otherwise a second wood).
+#: Probability that the home's bedroom floor is carpet (otherwise it is a second wood).
 BEDROOM_CARPET = 0.9
-#: Chance that a drawn material is replaced by a texture of the given folder.
+#: Probability that a real texture replaces a drawn material, if there are any of its substance.
 TEXTURE_SHARE = {"wood": 0.5, "tile": 0.5, "carpet": 0.5, "plaster": 0.12}
-#: Chance of one wall of another material.
+#: Probability that a room has one wall of another material (an accent wall).
 ACCENT_WALL = {"Reception": 0.16, "Bedroom": 0.22, "Kitchen": 0.08, "Corridor": 0.04}
-#: What an accent wall is made of: (substance, kind).
+#: Probability of each material of an accent wall: (substance, kind).
 ACCENT_KINDS = {
     ("plaster", "paint"): 0.5,
     ("plaster", "wallpaper"): 0.3,
     ("tile", "brick"): 0.1,
     ("wood", "planks"): 0.1,
 }
-#: Chance that walls are rough plaster instead of paint.
+#: Probability that walls are rough plaster instead of paint.
 ROUGH_WALL = 0.25
-#: Chance that the main walls of a home have a strong colour.
+#: Probability that the main walls of a home have a strong colour.
 MAIN_ACCENT = 0.06
 
 
 @dataclass(frozen=True)
 class Style:
-    """How homes are done up: materials of a surface by the room's first type, "" for the others."""
+    """Tables of the style model by the room's first type; "" is for all types not named."""
 
     floor: Mapping[str, Mapping[str, float]]
     wall: Mapping[str, Mapping[str, float]]
     ceiling: Mapping[str, Mapping[str, float]]
-    main_accent: float  #: chance that the main walls have a strong colour
+    main_accent: float  #: probability that the main walls have a strong colour
 
 
 VARIED = Style(FLOOR, WALL, CEILING, MAIN_ACCENT)
 _OUTSIDE = ("Balcony", "Terrace", "Outdoor")
-#: Most homes as they are let and sold: one floor through nearly all rooms, one pale paint.
+#: Like most homes that are let or sold: the same floor and pale paint in nearly all rooms.
 PLAIN = Style(
     {
         **{name: FLOOR[name] for name in _OUTSIDE},
@@ -111,7 +112,7 @@ PLAIN = Style(
 
 
 class _Stock:
-    """The materials of one home: drawn when first asked for, the same ever after."""
+    """The materials of one home; those that rooms share are made at first use and then kept."""
 
     def __init__(
         self,
@@ -154,7 +155,7 @@ class _Stock:
             return self._wall(name, 1.0 if what == "accent" else 0.0)
         if what == "paper":
             return self._draw("plaster", name, kind="wallpaper")
-        boards = what == "wood" and key.surface != "floor"  # nobody lays parquet on a ceiling
+        boards = what == "wood" and key.surface != "floor"  # no parquet on walls and ceilings
         return self._draw(what, name, kind="planks" if boards else None)
 
     def white(self, name: str) -> Material:
@@ -170,7 +171,7 @@ class _Stock:
         return scan or self._random(substance, name, kind, None)
 
     def _scan(self, substance: str, name: str) -> Material | None:
-        """Return a texture of the given folder, or None: as often as `TEXTURE_SHARE` says."""
+        """Return a real texture of the substance with probability `TEXTURE_SHARE`, else None."""
         scans = [t for t in self._textures if t.substance == substance]
         rng = self.rng(name, "texture")
         if scans and rng.random() < TEXTURE_SHARE[substance]:
@@ -222,11 +223,11 @@ def assign_materials(
     size_px: int = 256,
     style: Style = VARIED,
 ) -> dict[SurfaceKey, Material]:
-    """Return the material of every surface of a house; the same seed gives the same.
+    """Return the material of every surface of a house; the same seed gives the same materials.
 
-    A room of several types is furnished as its first type. Real `textures` replace procedural ones
-    of their substance with the probability `TEXTURE_SHARE`; procedural tiles have `size_px` pixels
-    a side.
+    A room of several types gets the materials of its first type. Real `textures` replace procedural
+    ones of their substance with probability `TEXTURE_SHARE`. Procedural tiles have `size_px` pixels
+    on each side.
     """
     stock = _Stock(house.id, seed, textures, size_px, style.main_accent)
     chosen: dict[SurfaceKey, Material] = {}
@@ -249,13 +250,13 @@ def assign_materials(
 
 
 def _table(style: Style, room: Room, surface: str) -> Mapping[str, float]:
-    """Return the probabilities of a surface by the room's first type."""
+    """Return the probabilities of a surface's materials, by the room's first type."""
     tables = {"floor": style.floor, "wall": style.wall, "ceiling": style.ceiling}[surface]
     return tables[room.types[0] if room.types[0] in tables else ""]
 
 
 def _material(stock: _Stock, key: SurfaceKey, what: str) -> Material:
-    """Return the material that a word of the tables stands for."""
+    """Return the material for a word of the tables."""
     if what in ("main", "bedroom", "wet"):
         return stock.shared(f"{what} {key.surface}")
     if what == "facade":
@@ -264,7 +265,7 @@ def _material(stock: _Stock, key: SurfaceKey, what: str) -> Material:
 
 
 def _behind_door(house: House, room_id: str) -> str:
-    """Return the first room that a door joins to `room_id`, or itself when there is none."""
+    """Return the first room that a door joins to `room_id`, or `room_id` if there is none."""
     for a, b in house.adjacency():
         if room_id in (a, b):
             return b if a == room_id else a
@@ -272,10 +273,10 @@ def _behind_door(house: House, room_id: str) -> str:
 
 
 def accent_walls(house: House, seed: int) -> dict[str, Material]:
-    """Return walls that differ from their room's wall material: wall id to material.
+    """Return the accent walls of a house: wall id to material.
 
-    At most one wall per room, without doors where there is one; the truth of the room's wall
-    surface stays the material of the other walls.
+    There is at most one per room, if possible a wall without doors. The true material of the room's
+    wall surface remains that of the other walls.
     """
     accents: dict[str, Material] = {}
     for room in house.rooms:

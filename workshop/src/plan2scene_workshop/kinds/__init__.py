@@ -1,1 +1,1 @@
-"""The classifier of rooms: what a photographed room is used for."""
+"""Training of the classifier of rooms: what a photographed room is used for."""

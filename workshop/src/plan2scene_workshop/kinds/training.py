@@ -36,13 +36,13 @@ Rooms without their furniture are told by their floors and walls alone. It is on
 class KindsSettings:
     """How the linear layer is fitted."""
 
-    penalty: float = 1e-3  #: of the squared weights (of standardised features over their root)
-    steps: int = 200  #: most steps of L-BFGS
-    rare: float = 5.0  #: photos that a kind has more of when its weight is worked out
+    penalty: float = 1e-3  #: on squared weights (features: standardised, / sqrt of their number)
+    steps: int = 200  #: largest number of L-BFGS steps
+    rare: float = 5.0  #: added to each kind's count of photos before its weight is 1 / count
 
 
 def photos_of_split(root: Path, split: str) -> Iterator[tuple[Path, tuple[str, ...]]]:
-    """Yield each photo of a synthetic data set with the kinds of its room, where it has any."""
+    """Yield each photo of a synthetic data set whose room has a known kind, with its kinds."""
     for row in read_table(root / "houses.tsv").of_splits([split]):
         house = read_scene_json(root / f"archs_no_objects/{split}/{row}.scene.json", row)
         types = {room.id: room.types for room in house.rooms}
@@ -56,7 +56,7 @@ def photos_of_split(root: Path, split: str) -> Iterator[tuple[Path, tuple[str, .
 def features_of(
     photos: list[tuple[Path, tuple[str, ...]]], segmenter: Segmenter
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return features (2 n, f), each photo as it is and mirrored, and shares of kinds (2 n, k)."""
+    """Return features (2 n, f) of photos and their mirror images, and shares of kinds (2 n, k)."""
     rows, kinds = [], []
     for path, names in photos:
         image = read_image(path)
@@ -66,7 +66,7 @@ def features_of(
 
 
 def fit_kinds(features: np.ndarray, kinds: np.ndarray, settings: KindsSettings) -> RoomKinds:
-    """Return the classifier of features (n, f) whose targets are shares of kinds (n, k)."""
+    """Fit and return the classifier on features (n, f) and shares of kinds (n, k)."""
     inputs = features.shape[1]
     network = RoomKinds(inputs=inputs)
     network.mean.copy_(torch.from_numpy(features.mean(axis=0)))
@@ -94,7 +94,7 @@ def fit_kinds(features: np.ndarray, kinds: np.ndarray, settings: KindsSettings) 
 
 
 def accuracy(network: RoomKinds, features: np.ndarray, kinds: np.ndarray) -> float:
-    """Return the share of photos whose most probable kind is one of theirs."""
+    """Return the share of photos whose most probable kind is one of their true kinds."""
     with torch.inference_mode():
         best = network(torch.from_numpy(features)).argmax(dim=1).numpy()
     return float(np.mean(kinds[np.arange(len(best)), best] > 0))
@@ -112,8 +112,8 @@ def train_kinds(
 ) -> None:
     """Fit the classifier on a data set's train split, write its weights and card.
 
-    `segmentation` are the weights of the network that it reads. No chance is in it: `seed` is told
-    for the card alone, and there is nothing to continue from a `checkpoint`.
+    `segmentation` is the weights file of the networks whose features it uses. The fit is not
+    random: `seed` is only written on the card, and `checkpoint` is not used.
     """
     del checkpoint
     start, root = monotonic(), Path(root)

@@ -1,4 +1,4 @@
-"""What lies around a drawn plan without being part of it: notes, boundaries, paving, neighbours."""
+"""Clutter around a drawn plan that is not part of it: notes, boundaries, paving, neighbours."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _ROWS = ("Living 46.3", "Garage", "POOL", "Total 101 sqm", "TENNIS COURT", "Balk
 
 
 def draw_clutter(sheet: Sheet, plan: Structure, style: PlanStyle, rng: np.random.Generator) -> None:
-    """Draw some of it outside the walls."""
+    """Draw random clutter outside the walls."""
     home = shapely.union_all([plan.outer, plan.rails, *plan.rooms])
     x0, z0, x1, z1 = home.bounds
     if rng.random() < 0.25:
@@ -53,7 +53,7 @@ def _neighbour(
     style: PlanStyle,
     rng: np.random.Generator,
 ) -> None:
-    """Draw walls of the next flat or of the stairwell that go on from a corner of the home."""
+    """Draw walls of a next flat or a stairwell that touch the left or right side of the home."""
     x0, z0, x1, z1 = home.bounds
     w, h = rng.uniform(2.0, 5.0, 2)
     x, z = rng.choice([x0 - w, x1]), float(rng.uniform(z0 - h / 2, z1 - h / 2))
@@ -69,7 +69,7 @@ def _free_spot(
     size: tuple[float, float],
     rng: np.random.Generator,
 ) -> np.ndarray | None:
-    """Return the corner of a place of `size` (width, height) in metres beside the home."""
+    """Return the corner of a free area of `size` (width, height) in metres beside the home."""
     spare = np.array(sheet.image.shape[1::-1]) / sheet.ppm - size
     for _ in range(8):
         corner = sheet.origin + rng.random(2) * spare
@@ -81,7 +81,7 @@ def _free_spot(
 def _table(
     sheet: Sheet, home: shapely.Geometry, style: PlanStyle, rng: np.random.Generator
 ) -> None:
-    """Draw a table of areas, or a pool or a court: a box with a name and nothing else."""
+    """Draw a table of areas; with one row it is a box with a name, like a pool or a court."""
     rows = int(rng.integers(1, 6))
     height = 2.0 * style.text_height
     width = float(rng.uniform(1.5, 4.0))
@@ -100,7 +100,7 @@ def _table(
 
 
 def _logo(sheet: Sheet, home: shapely.Geometry, style: PlanStyle, rng: np.random.Generator) -> None:
-    """Draw an agent's sign: discs and boxes in loud colours, or black."""
+    """Draw an estate agent's logo: discs and boxes in random colours or ink."""
     corner = _free_spot(sheet, home, (1.2, 1.2), rng)
     if corner is None:
         return
@@ -115,7 +115,7 @@ def _logo(sheet: Sheet, home: shapely.Geometry, style: PlanStyle, rng: np.random
 def _boundary(
     sheet: Sheet, home: shapely.Geometry, style: PlanStyle, rng: np.random.Generator
 ) -> None:
-    """Draw a line of the site beside the walls, dashed or whole."""
+    """Draw a boundary line of the site along one side of the home, dashed or solid."""
     x0, z0, x1, z1 = home.bounds
     off = float(rng.uniform(0.25, 1.2))
     side = int(rng.integers(4))

@@ -21,7 +21,7 @@ from plan2scene_workshop.plans.structure import Structure, structure_of
 from plan2scene_workshop.plans.style import PlanStyle
 
 _GAP_LABELS = {"door": DOOR, "window": WINDOW, "passage": PASSAGE}
-#: Metres of paper around a plan.
+#: Range of the margins around a plan in metres.
 MARGIN_M = (0.6, 2.4)
 
 
@@ -32,14 +32,14 @@ class DrawnPlan:
     image: np.ndarray  #: (h, w, 3) uint8 sRGB
     labels: np.ndarray  #: (h, w) uint8 of `PLAN_LABELS`
     plan: Structure
-    ppm: float  #: pixels a metre
-    origin: tuple[float, float]  #: (x, z) in metres of the picture's corner
+    ppm: float  #: pixels per metre
+    origin: tuple[float, float]  #: (x, z) of the picture's corner in metres
 
 
 def draw_plan(
     house: House, style: PlanStyle, ppm: float, rng: np.random.Generator, *, finer: int = 2
 ) -> DrawnPlan:
-    """Return a drawing of a house at `ppm` pixels a metre, drawn `finer` times as large."""
+    """Return a drawing of a house at `ppm` pixels per metre, drawn `finer` times larger first."""
     plan = structure_of(
         house,
         rng,
@@ -67,7 +67,7 @@ def draw_plan(
 
 
 def _draw(sheet: Sheet, plan: Structure, style: PlanStyle, rng: np.random.Generator) -> None:
-    """Draw everything in the order in which it lies on top of one another."""
+    """Draw everything, from the lowest layer to the topmost."""
     _floors(sheet, plan, style, rng)
     surroundings(sheet, plan, style, rng)
     draw_clutter(sheet, plan, style, rng)
@@ -83,7 +83,7 @@ def _draw(sheet: Sheet, plan: Structure, style: PlanStyle, rng: np.random.Genera
 def plan_labels(
     plan: Structure, size: tuple[int, int], ppm: float, origin: tuple[float, float]
 ) -> np.ndarray:
-    """Return the labels (h, w) uint8; nothing that closes a room is thinner than 3 pixels."""
+    """Return the labels (h, w) uint8; walls and openings are at least 3 pixels thick."""
     sheet = Sheet((1, 1), ppm, origin, (0, 0, 0))
     labels = np.full(size, OUTSIDE, np.uint8)
     least = 3.0 / ppm
@@ -93,7 +93,7 @@ def plan_labels(
         sheet.mark(labels, body, WALL)
     gaps = shapely.union_all([shapely.Polygon(g.corners(g.depth + 0.02)) for g in plan.gaps])
     lines = shapely.union_all([room.exterior for room in plan.rooms])
-    if plan.outer_depth > least:  # the middle of an outer wall does not lie on the outline
+    if plan.outer_depth > least:  # outer walls lie mostly outside the outline
         lines = lines.difference(plan.outer.buffer(0.01))
     sheet.mark(labels, lines.buffer(least / 2, cap_style="flat").difference(gaps), WALL)
     for gap in plan.gaps:
@@ -103,7 +103,7 @@ def plan_labels(
 
 
 def _floors(sheet: Sheet, plan: Structure, style: PlanStyle, rng: np.random.Generator) -> None:
-    """Paint floors: none, one colour, one for each type, or tiles and boards in some rooms."""
+    """Paint floors: none, in one colour, in one per room type, or with a pattern in some rooms."""
     if style.floor == "none":
         return
     tints = {}
@@ -137,7 +137,7 @@ def _pattern(
     *,
     wet: bool,
 ) -> None:
-    """Draw tiles or boards within a room."""
+    """Draw tiles (in wet rooms) or boards on the floor of a room."""
     place = sheet.window(room)
     size = sheet.image[place].shape[:2]
     x0, z0, x1, z1 = room.bounds
@@ -156,7 +156,7 @@ def _pattern(
 
 
 def _walls(sheet: Sheet, plan: Structure, style: PlanStyle, rng: np.random.Generator) -> None:
-    """Draw the bodies of walls in the style of the sheet."""
+    """Draw the walls in the style of the drawing."""
     _rails(sheet, plan, style)
     if style.wall == "line":
         gaps = shapely.union_all([shapely.Polygon(g.corners(g.depth + 0.1)) for g in plan.gaps])
@@ -194,7 +194,7 @@ def _walls(sheet: Sheet, plan: Structure, style: PlanStyle, rng: np.random.Gener
 
 
 def _rails(sheet: Sheet, plan: Structure, style: PlanStyle) -> None:
-    """Draw what is around balconies and terraces: two lines, one, dashes, or posts and nothing."""
+    """Draw the rails of balconies and terraces: an outline, a line, dashes, or only posts."""
     if style.rail == "outline":
         sheet.fill_shape(plan.rails, style.paper)
         sheet.outline(plan.rails, style.pen, style.thin)

@@ -1,4 +1,4 @@
-"""Furniture and fixtures of a drawn plan: what stands where, and how it is drawn."""
+"""Furniture and fixtures of a drawn plan: where they stand, and how they are drawn."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is written on a drawn plan: rooms' names and sizes, chains of dimensions, titles."""
+"""Text and signs on a drawn plan: rooms' names and sizes, chains of dimensions, titles, trees."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _FOOT = 0.3048
 
 
 def length_text(metres: float, unit: str, rng: np.random.Generator) -> str:
-    """Return a length as drawings write it."""
+    """Return a length as text in one of the notations of drawings."""
     if unit == "ft":
         inches = round(metres / _FOOT * 12)
         feet, rest = divmod(inches, 12)
@@ -30,7 +30,7 @@ def length_text(metres: float, unit: str, rng: np.random.Generator) -> str:
 
 
 def area_text(square_metres: float, unit: str, rng: np.random.Generator) -> str:
-    """Return an area as drawings write it."""
+    """Return an area as text in one of the notations of drawings."""
     if unit == "ft":
         return f"{round(square_metres / _FOOT**2)} {rng.choice(['sq ft', 'sq. ft', 'ft²'])}"
     digits = int(rng.choice([0, 1, 1, 2]))
@@ -41,7 +41,7 @@ def area_text(square_metres: float, unit: str, rng: np.random.Generator) -> str:
 
 
 def name_rooms(sheet: Sheet, plan: Structure, style: PlanStyle, rng: np.random.Generator) -> None:
-    """Write a name, an area, dimensions or all of them into each room."""
+    """Write a name, an area, dimensions or several of them into each room."""
     if style.names == "none":
         return
     case = rng.choice(["plain", "upper", "lower"], p=[0.5, 0.35, 0.15])
@@ -73,7 +73,7 @@ def _write_lines(
     style: PlanStyle,
     rng: np.random.Generator,
 ) -> None:
-    """Write lines of text into a room, small enough to fit or turned upright."""
+    """Write lines of text into a room, made smaller or turned upright to fit."""
     font = "sans" if style.language == "he" else style.font
     x0, z0, x1, z1 = inside.bounds
     spot = inside.representative_point()
@@ -114,7 +114,7 @@ def dimension_chains(
 
 
 def _stops(plan: Structure) -> tuple[list[float], list[float]]:
-    """Return where inner and outer walls stand along x and along z, at least .5 m apart."""
+    """Return the positions of walls along x and along z, more than .5 m apart."""
     found = []
     for axis in (0, 1):
         values = sorted({round(p[axis], 2) for room in plan.rooms for p in room.exterior.coords})
@@ -135,7 +135,7 @@ def _chain(
     style: PlanStyle,
     rng: np.random.Generator,
 ) -> None:
-    """Draw one line of dimensions along an axis with ticks and figures."""
+    """Draw one line of dimensions along an axis, with ticks and numbers."""
 
     def point(along: float, across: float) -> np.ndarray:
         return np.array([along, across] if axis == 0 else [across, along])
@@ -158,7 +158,7 @@ def _chain(
 
 
 def surroundings(sheet: Sheet, plan: Structure, style: PlanStyle, rng: np.random.Generator) -> None:
-    """Draw what stands beside a plan: a title, a scale bar, a north arrow, trees, a frame."""
+    """Draw things beside a plan at random: a title, a frame, trees, arrows."""
     h, w = (np.array(sheet.image.shape[:2]) / sheet.ppm).tolist()
     x0, z0 = sheet.origin.tolist()
     font = "sans" if style.font == "hand" else style.font

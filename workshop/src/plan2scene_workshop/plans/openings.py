@@ -15,7 +15,7 @@ _Draw = Callable[[Sheet, Gap, PlanStyle, np.random.Generator], None]
 
 
 def draw_gap(sheet: Sheet, gap: Gap, style: PlanStyle, rng: np.random.Generator) -> None:
-    """Draw the symbol of an opening; its gap in the wall is there already."""
+    """Draw the symbol of an opening into the gap that the wall already has."""
     registry, name = {
         "door": (_DOORS, style.outer_door if gap.outer else style.door),
         "window": (_WINDOWS, style.window),
@@ -29,13 +29,16 @@ def draw_gap(sheet: Sheet, gap: Gap, style: PlanStyle, rng: np.random.Generator)
 def _arc(
     sheet: Sheet, hinge: np.ndarray, along: np.ndarray, out: np.ndarray, angle: float = 90
 ) -> list[np.ndarray]:
-    """Return the swing of a leaf from the wall's line (`along`, as long as the leaf) to `out`."""
+    """Return the arc of a leaf's tip from `along` (in the wall's line) by `angle` towards `out`.
+
+    Both vectors have the leaf's length.
+    """
     t = np.deg2rad(np.linspace(0, angle, 17))[:, None]
     return list(hinge + np.cos(t) * along + np.sin(t) * out)
 
 
 def _leaf(gap: Gap, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return hinge, closed leaf and the leaf open at a right angle as vectors."""
+    """Return the hinge, and the vectors of the closed leaf and of the leaf open at 90 degrees."""
     hinge, other = (gap.start, gap.end) if rng.random() < 0.5 else (gap.end, gap.start)
     side = gap.normal if not gap.outer or rng.random() < 0.8 else -gap.normal
     base = hinge + side * gap.depth / 2 * float(rng.choice([0.0, 1.0]))
@@ -98,7 +101,7 @@ def _double_leaf(sheet: Sheet, gap: Gap, style: PlanStyle, rng: np.random.Genera
 
 
 def _along(gap: Gap, share: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the line through the gap at `share` of its depth, -.5 to .5."""
+    """Return the ends of the line through the gap at `share` of its depth, in [-.5, .5]."""
     shift = gap.normal * gap.depth * share
     return gap.start + shift, gap.end + shift
 

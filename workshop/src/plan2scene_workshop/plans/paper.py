@@ -1,4 +1,4 @@
-"""What happens to a drawing before somebody traces it: scanned, printed, photographed, sent."""
+"""Degradation of drawings as by scanning, printing, photographing and sending them."""
 
 from __future__ import annotations
 
@@ -16,9 +16,10 @@ def bend(
     wobble: float = 0.0,
     beyond: tuple[int, int, int] = (255, 255, 255),
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return picture (h, w, 3) and labels (h, w) seen by a homography, of `size` (h, w).
+    """Return a picture (h, w, 3) and its labels (h, w), warped to `size` (h, w).
 
-    `move` takes pixels of the drawing to pixels of the view; a hand's `wobble` is in pixels.
+    `move` is the homography from pixels of the drawing to pixels of the view. `wobble` is the
+    standard deviation in pixels of smooth random shifts, like those of a drawing hand.
     """
     h, w = size
     inverse = np.linalg.inv(move)
@@ -40,7 +41,10 @@ def bend(
 def homography(
     size: tuple[int, int], rng: np.random.Generator, *, turn: float, keystone: float
 ) -> np.ndarray:
-    """Return a turn (degrees) about the middle with a keystone (share of the size), (3, 3)."""
+    """Return the homography (3, 3) of a rotation by `turn` degrees about the middle and a keystone.
+
+    `keystone` is the largest shift of a corner as a share of the size.
+    """
     h, w = size
     angle = np.deg2rad(turn)
     c, s = np.cos(angle), np.sin(angle)
@@ -55,7 +59,7 @@ def homography(
 
 
 def worn(image: np.ndarray, rng: np.random.Generator, *, photographed: bool) -> np.ndarray:
-    """Return a picture (h, w, 3) uint8 as a scanner, printer, camera or messenger leaves it."""
+    """Return a picture (h, w, 3) uint8, degraded as by a scanner, printer, camera or messenger."""
     picture: np.ndarray = image.astype(np.float32)
     h, w = picture.shape[:2]
     if photographed:
@@ -86,7 +90,7 @@ def worn(image: np.ndarray, rng: np.random.Generator, *, photographed: bool) -> 
 
 
 def _shade(h: int, w: int, rng: np.random.Generator) -> np.ndarray:
-    """Return light and folds of a photographed sheet, (h, w) float32 around 1."""
+    """Return uneven light and a fold on a photographed sheet as factors (h, w) float32 near 1."""
     coarse = rng.uniform(0.65, 1.05, (3, 3)).astype(np.float32)
     shade = cv2.resize(coarse, (w, h), interpolation=cv2.INTER_CUBIC)
     if rng.random() < 0.3:

@@ -1,4 +1,4 @@
-"""Some doors of a plan become open passages, as wide as the wall allows."""
+"""Replaces some doors of a plan by open passages, at most as wide as the wall allows."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from shapely.geometry import LineString, Polygon
 
 from plan2scene_workshop.homes.openings import OPEN_AIR
 
-#: Metres of wall that a passage leaves beside corners and other openings; the widest passage.
+#: Metres of wall between a passage and corners or other openings; largest width of a passage.
 _FREE, _WIDEST = 0.15, 5.0
-#: Chance that the wall from corner to corner is open but for `_FREE`.
+#: Probability that a passage takes all the free wall (up to `_WIDEST`).
 _WHOLE = 0.3
 
 
@@ -21,7 +21,7 @@ def opened_doors(
     rng: np.random.Generator,
     chance: float,
 ) -> list[tuple[str, LineString]]:
-    """Return openings (kind, line) with doors between rooms indoors opened, by `chance` each."""
+    """Return openings (kind, line); each door between indoor rooms is a passage with `chance`."""
     found = list(spans)
     for index, (kind, line) in enumerate(spans):
         if kind != "door" or rng.random() >= chance:
@@ -51,7 +51,7 @@ def opened_doors(
 def _shared_wall(
     line: LineString, rooms: list[Polygon], types: tuple[tuple[str, ...], ...]
 ) -> LineString | None:
-    """Return the straight wall that the two rooms indoors on both sides of a door share."""
+    """Return the straight wall that the two rooms of a door share; None unless both are indoor."""
     middle = line.centroid
     beside = [
         room

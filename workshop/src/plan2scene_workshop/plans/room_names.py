@@ -1,8 +1,8 @@
-"""What rooms are called on drawn plans, in several languages."""
+"""Names of rooms on drawn plans, in several languages."""
 
 from __future__ import annotations
 
-#: What rooms are called, by language and type.
+#: Names by language and room type, joined by ``|``. Hebrew is stored in visual order (reversed).
 NAMES: dict[str, dict[str, str]] = {
     "en": {
         "Reception": "Living room|Lounge|Living|Dining room|Family",

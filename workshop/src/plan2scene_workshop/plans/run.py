@@ -39,7 +39,7 @@ room: share of rooms' pixels.
 
 
 def _seen(settings: PlanSettings) -> list[str]:
-    """Return a line for each thing that the network learned from, or never saw."""
+    """Return the card's lines: the data that the network learned from, or has never seen."""
     lines = [line.format(settings.drawings) for line in _SEEN]
     if settings.start:
         start = settings.start

@@ -19,7 +19,7 @@ _SHIFT = 4
 #: Fonts that ship with matplotlib; a stroke font of OpenCV stands for handwriting.
 FONTS = {
     "sans": "DejaVuSans.ttf",
-    "narrow": "DejaVuSans.ttf",  # squeezed
+    "narrow": "DejaVuSans.ttf",  # compressed to three quarters of its width
     "bold": "DejaVuSans-Bold.ttf",
     "oblique": "DejaVuSans-Oblique.ttf",
     "mono": "DejaVuSansMono.ttf",
@@ -28,7 +28,7 @@ FONTS = {
 
 
 class Sheet:
-    """A picture (h, w, 3) uint8 of a plan, `ppm` pixels a metre; `origin` (x, z) is its corner."""
+    """A picture (h, w, 3) uint8 of a plan, `ppm` pixels per metre, with its corner at `origin`."""
 
     def __init__(
         self, size: tuple[int, int], ppm: float, origin: tuple[float, float], colour: Sequence[int]
@@ -86,7 +86,7 @@ class Sheet:
                 self.line(ring, colour, weight, closed=True)
 
     def mask(self, shape: shapely.Geometry) -> np.ndarray:
-        """Return where polygons are, (h, w) bool."""
+        """Return the mask (h, w) bool of polygons."""
         mask = np.zeros(self.image.shape[:2], np.uint8)
         self.mark(mask, shape, 1)
         return mask > 0
@@ -97,7 +97,7 @@ class Sheet:
             cv2.fillPoly(plane, [self.pixels(r) for r in rings], value, cv2.LINE_8, _SHIFT)
 
     def window(self, shape: shapely.Geometry) -> tuple[slice, slice]:
-        """Return the rows and columns that a shape takes."""
+        """Return the rows and columns that a shape covers."""
         x0, z0, x1, z1 = shape.bounds
         (a, b), (c, d) = ((np.array([(x0, z0), (x1, z1)]) - self.origin) * self.ppm).astype(int)
         return slice(max(0, b - 1), max(0, d + 2)), slice(max(0, a - 1), max(0, c + 2))
@@ -112,9 +112,9 @@ class Sheet:
         *,
         upright: bool = False,
     ) -> tuple[float, float]:
-        """Write text of `height` metres (of capitals) around a point; return its size in metres.
+        """Write text, centred on a point; return its size in metres.
 
-        `upright` text is read from the bottom to the top.
+        `height` is that of capitals in metres. `upright` text is read from the bottom to the top.
         """
         ink = letters(text, max(5, round(height * self.ppm)), font)
         if upright:
@@ -164,7 +164,7 @@ def letters(text: str, pixels: int, font: str) -> np.ndarray:
 
 @lru_cache(maxsize=256)
 def _font(name: str, size: int) -> ImageFont.FreeTypeFont:
-    """Return a Pillow font of matplotlib's."""
+    """Return one of matplotlib's fonts as a Pillow font."""
     import matplotlib
     from PIL import ImageFont
 

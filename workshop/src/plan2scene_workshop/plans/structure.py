@@ -1,4 +1,4 @@
-"""What a plan's drawing shows of a house: bodies of walls, rails and gaps for openings."""
+"""The parts of a house that a drawn plan shows: wall bodies, rails and gaps for openings."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from plan2scene.plans.geometry import point_along, ring_edges, room_polygon
 from plan2scene_workshop.homes.openings import OPEN_AIR
 from plan2scene_workshop.plans.passages import opened_doors
 
-#: Metres of a wall's end that a cut corner leaves free.
+#: Smallest distance in metres between a cut corner and an opening.
 _FREE = 0.15
 
 
 @dataclass(frozen=True)
 class Gap:
-    """An opening as drawn.
+    """An opening in a wall, as drawn; lengths in metres.
 
-    `start` and `end` (x, z) lie on the middle of the wall's body, `normal` points into the room
-    that a door opens to, `depth` is the body's thickness; metres.
+    `start` and `end` (x, z) lie on the middle line of the wall's body, `normal` points into the
+    room that a door opens to, `depth` is the body's thickness.
     """
 
     kind: str  #: door, window or passage
@@ -34,11 +34,11 @@ class Gap:
 
     @property
     def width(self) -> float:
-        """Metres along the wall."""
+        """Length along the wall in metres."""
         return float(np.linalg.norm(self.end - self.start))
 
     def corners(self, depth: float | None = None) -> np.ndarray:
-        """Return the rectangle (4, 2) that it takes from the wall."""
+        """Return the rectangle (4, 2) that the opening cuts out of the wall."""
         half = self.normal * (depth or self.depth) / 2
         return np.array(
             [self.start - half, self.end - half, self.end + half, self.start + half], np.float64
@@ -49,17 +49,17 @@ class Gap:
 class Structure:
     """Rooms, walls and openings of a plan in metres."""
 
-    rooms: tuple[Polygon, ...]  #: on the middle of inner walls
+    rooms: tuple[Polygon, ...]  #: outlines along the middle of inner walls
     types: tuple[tuple[str, ...], ...]
     gaps: tuple[Gap, ...]
-    inner: shapely.Geometry  #: bodies of the inner walls, gaps cut out
-    outer: shapely.Geometry  #: bodies of the outer walls
+    inner: shapely.Geometry  #: bodies of the inner walls, without the gaps
+    outer: shapely.Geometry  #: bodies of the outer walls, without the gaps
     rails: shapely.Geometry  #: around balconies and terraces
     inner_depth: float
     outer_depth: float
 
     def indoor(self, index: int) -> bool:
-        """Return whether a room is inside."""
+        """Return whether a room is indoors."""
         return self.types[index][0] not in OPEN_AIR
 
 
@@ -74,11 +74,11 @@ def structure_of(
     opened: float = 0.0,
     windows: bool = True,
 ) -> Structure:
-    """Return what a drawing shows of a house.
+    """Return the parts of a house that a drawing shows.
 
-    Outer walls lie outside the line of the rooms' outlines but for half of an inner wall's
-    thickness. Corners of rooms are cut off with the chance `cut_corners` each, inner doors become
-    passages with the chance `opened`; without `windows` their walls go on.
+    Outer walls lie outside the outlines of the rooms, except for half of an inner wall's
+    thickness. Each corner of a room is cut off with probability `cut_corners`, each inner door
+    becomes a passage with probability `opened`. Without `windows`, walls are closed there.
     """
     rooms = [room_polygon(room) for room in house.rooms]
     types = tuple(room.types for room in house.rooms)
@@ -108,7 +108,7 @@ def _inside(types: tuple[str, ...]) -> bool:
 
 
 def _spans(house: House) -> list[tuple[str, LineString]]:
-    """Return kind and line of each opening once."""
+    """Return the kind and line of each opening; one in two walls is returned once."""
     found = {}
     for wall in house.walls:
         for hole in wall.openings:
@@ -124,7 +124,7 @@ def _gap(
     depths: tuple[float, float, float],
     rng: np.random.Generator,
 ) -> Gap | None:
-    """Return an opening as drawn; None for what a plan does not show (the view from a balcony)."""
+    """Return an opening as drawn; None if a plan does not show it (balcony to outside)."""
     kind, line = span
     start, end = np.array(line.coords)
     along = (end - start) / np.linalg.norm(end - start)
@@ -152,7 +152,7 @@ def _gap(
 def _cut_corners(
     rooms: list[Polygon], spans: list[LineString], rng: np.random.Generator, chance: float
 ) -> list[Polygon]:
-    """Return rooms with some convex corners cut off; who is behind gets the triangle."""
+    """Return rooms with some convex corners cut off; the room behind gets the triangle."""
     rooms = list(rooms)
     for index in range(len(rooms)):
         edges = ring_edges(tuple(rooms[index].exterior.coords[:-1]))
@@ -178,7 +178,7 @@ def _cut_corner(
     leg: float,
     spans: list[LineString],
 ) -> bool:
-    """Cut a corner off room `index`, in place; False where openings or two rooms are in the way.
+    """Cut a corner off room `index`, in place; return False if openings or two rooms prevent it.
 
     `arms` are the unit vectors (2, 2) of the edges that leave the corner, `leg` is in metres.
     """

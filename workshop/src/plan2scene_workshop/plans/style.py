@@ -1,4 +1,4 @@
-"""How a plan is drawn: every choice of a draughtsman, drawn at random."""
+"""Random drawing styles of plans: every choice that a draughtsman makes."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 Colour = tuple[int, int, int]
 
-#: Choices and weights; those of `HELD_OUT` are not for training.
+#: Options of each choice with their weights, for training.
 CHOICES: dict[str, dict[str, float]] = {
     "wall": {
         "solid": 6.0,
@@ -51,7 +51,7 @@ CHOICES: dict[str, dict[str, float]] = {
     "unit": {"m": 3.0, "cm": 2.0, "mm": 2.0, "ft": 1.3},
     "language": {"en": 3, "de": 2, "fr": 2, "es": 2, "it": 2, "nl": 2, "sv": 0.7, "he": 0.4},
 }
-#: Choices of the benchmark that no drawing to train on has.
+#: Options of the benchmark. Most are in no training drawing; some common ones are mixed in.
 HELD_OUT: dict[str, dict[str, float]] = {
     "wall": {"dotted": 1.0, "bricks": 1.0, "hollow_thick": 1.0, "solid": 1.0},
     "door": {"double_arc": 1.0, "filled_arc": 1.0, "arc": 1.0},
@@ -60,18 +60,18 @@ HELD_OUT: dict[str, dict[str, float]] = {
     "font": {"serif": 1.0},
 }
 
-#: Chances that inner doors are open passages; homes have few of their own.
+#: Probabilities that an inner door is a passage (one is drawn per style); homes have few passages.
 OPENED = (0.0, 0.2, 0.5)
 
 
 @dataclass(frozen=True)
 class PlanStyle:
-    """The choices of one drawing; lengths in metres, weights of lines in pixels."""
+    """The choices of one drawing; lengths in metres, line widths in pixels."""
 
     wall: str
     door: str
     outer_door: str
-    swing: float  #: degrees that leaves are open
+    swing: float  #: opening angle of leaves, degrees
     window: str
     passage: str
     rail: str
@@ -86,20 +86,20 @@ class PlanStyle:
     outer_depth: float
     rail_depth: float
     cut_corners: float
-    opened: float  #: chance that an inner door is a passage
+    opened: float  #: probability that an inner door is a passage
     paper: Colour
     ink: Colour  #: of walls
     pen: Colour  #: of thin lines
     tint: Colour  #: of floors and filled things
     accent: Colour  #: of dimensions and windows
-    weight: int  #: pixels of outlines
-    thin: int  #: pixels of all other lines
+    weight: int  #: width of outlines in pixels
+    thin: int  #: width of all other lines in pixels
     text_height: float  #: metres
     hand: bool  #: drawn by hand
 
 
 def draw_style(rng: np.random.Generator, *, held_out: bool = False) -> PlanStyle:
-    """Return a random style: one to train on, or one that training never sees."""
+    """Return a random style for training, or from the held-out options."""
 
     def choose(key: str) -> str:
         options = CHOICES.get(key, {"sans": 1.0})
@@ -112,7 +112,7 @@ def draw_style(rng: np.random.Generator, *, held_out: bool = False) -> PlanStyle
     hand = wall == "line" and bool(rng.random() < 0.5)
     inner = float(rng.uniform(0.07, 0.16))
     outer = inner if rng.random() < 0.25 else float(rng.uniform(max(0.15, inner), 0.42))
-    if wall == "mixed":  # solid outer walls, inner ones that are a line
+    if wall == "mixed":  # solid outer walls; inner walls are a line
         inner, outer = float(rng.uniform(0.02, 0.06)), float(rng.uniform(0.08, 0.3))
     if wall == "line":
         inner = outer = float(rng.uniform(0.02, 0.06))
@@ -173,7 +173,7 @@ def _near_white(rng: np.random.Generator) -> tuple[int, ...]:
 
 
 def _font(rng: np.random.Generator) -> str:
-    """Return a font to train on."""
+    """Return a random font for training."""
     return str(
         rng.choice(
             ["sans", "bold", "mono", "hand", "oblique", "narrow"],

@@ -13,13 +13,13 @@ Lines = list[np.ndarray]
 
 @dataclass(frozen=True)
 class Symbol:
-    """A piece as a plan shows it."""
+    """The symbol of a piece of furniture or a fixture on a plan."""
 
     name: str
-    width: tuple[float, float]  #: least and most metres along the wall
-    depth: tuple[float, float]
+    width: tuple[float, float]  #: range in metres, along the wall
+    depth: tuple[float, float]  #: range in metres, away from the wall
     draw: Callable[[np.random.Generator, float, float], Lines]
-    free: bool = False  #: stands anywhere, not at a wall
+    free: bool = False  #: whether it stands away from walls
 
 
 def box(x0: float, y0: float, x1: float, y1: float) -> np.ndarray:
@@ -90,7 +90,7 @@ def _wardrobe(rng: np.random.Generator, w: float, d: float) -> Lines:
 
 
 def _cupboard(rng: np.random.Generator, w: float, d: float) -> Lines:
-    """Return a fitted cupboard, pairs of leaves open before it."""
+    """Return a fitted cupboard with pairs of open leaves in front."""
     leaves = 2 * max(1, round(w / 0.9))
     leaf, front = w / leaves, d - w / leaves
     lines = [box(0, 0, w, front)]
@@ -102,7 +102,7 @@ def _cupboard(rng: np.random.Generator, w: float, d: float) -> Lines:
 
 
 def _dashed(_: np.random.Generator, w: float, d: float) -> Lines:
-    """Return the dashed outline of what is above: a skylight, a beam, a cupboard."""
+    """Return the dashed outline of a thing overhead: a skylight, a beam, a cupboard."""
     corners = box(0, 0, w, d)
     lines = []
     for start, end in pairwise(corners):
@@ -227,7 +227,7 @@ SYMBOLS = {
         Symbol("seat", (0.5, 0.65), (0.5, 0.65), _seat, free=True),
     )
 }
-#: What stands in rooms of each type, the first ones first.
+#: Names of the symbols in rooms of each type, in the order in which they are placed.
 PIECES = {
     "Bedroom": ["bed", "wardrobe", "cupboard", "night table", "desk", "plant"],
     "Reception": ["sofa", "low table", "shelf", "table", "armchair", "plant", "dashed", "island"],

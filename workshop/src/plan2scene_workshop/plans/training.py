@@ -17,13 +17,13 @@ from plan2scene_workshop.plans.views import Drawings, draw_batch, other_drawing
 from plan2scene_workshop.segmentation.training import Ahead, parameter_groups
 from plan2scene_workshop.training.loop import Trained, Trainer, TrainerOptions, best_device, cosine
 
-#: Structure that is scored: outside, wall, door, window, passage, room of any kind.
+#: Labels that are scored: outside, wall, door, window, passage, room of any kind.
 STRUCTURE = PLAN_LABELS[: ROOM + 1]
 _OTHER_PPM = 32.0
 
 
 def other_views(count: int, seed: int, *, held_out: bool) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Return pictures and labels as of :func:`.views.other_drawing`, a quarter photographed."""
+    """Return pictures and labels of :func:`.views.other_drawing`; a quarter are photographed."""
     found = []
     for number in range(count):
         drawn = other_drawing(number, seed, _OTHER_PPM, held_out=held_out)
@@ -37,7 +37,10 @@ def other_views(count: int, seed: int, *, held_out: bool) -> list[tuple[np.ndarr
 def structure_confusion(
     network: SegmentationNet, views: list[tuple[np.ndarray, np.ndarray]]
 ) -> tuple[np.ndarray, float]:
-    """Return the confusion matrix (6, 6) of structure, and how often a room's kind is right."""
+    """Return the confusion matrix (6, 6) of `STRUCTURE`, and the accuracy of the kinds of rooms.
+
+    The accuracy is a share of the pixels of rooms of a known kind that are found as rooms.
+    """
     count = len(STRUCTURE)
     matrix = np.zeros((count, count), np.int64)
     right = told = 0
@@ -69,7 +72,7 @@ def train_network(
     seed: int,
     checkpoint: Path | None = None,
 ) -> Trained[SegmentationNet]:
-    """Return the averaged network that did best on drawings of other homes (IoU of structure)."""
+    """Train; return the averaged network with the best mean IoU on drawings of other homes."""
     device = best_device()
     network.to(device).to(memory_format=torch.channels_last)  # type: ignore[call-overload]
     drawings = Drawings(settings, seed)
@@ -84,7 +87,7 @@ def train_network(
     def loss(step: int, _: np.random.Generator) -> dict[str, torch.Tensor]:
         images, labels = (part.to(device) for part in ahead.batch(step))
         logits = network(images.to(memory_format=torch.channels_last))
-        # At the labels' resolution: an inner wall is 3 pixels, a line that closes a room fewer.
+        # The loss is computed at the labels' resolution, because walls may be 3 pixels thin.
         logits = F.interpolate(logits.float(), size=labels.shape[1:], mode="bilinear")
         found = F.cross_entropy(logits, labels, weights, label_smoothing=settings.label_smoothing)
         return {"labels": found}

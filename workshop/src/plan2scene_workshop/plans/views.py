@@ -1,4 +1,4 @@
-"""Views of drawings to learn from: turned, bent, worn, cut to the network's size."""
+"""Training views of drawings: rotated, warped, degraded, cut to the network's size."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from plan2scene_workshop.plans.paper import bend, homography, worn
 from plan2scene_workshop.plans.settings import PlanSettings
 from plan2scene_workshop.plans.style import draw_style
 
-#: Share of views that are photographed rather than scanned or saved, and of those turned anyhow.
+#: Share of views that are photographed (not scanned or saved), and share turned by up to 45 deg.
 PHOTOGRAPHED, TURNED = 0.15, 0.06
-#: Share of drawings with two storeys on a page.
+#: Share of drawings with two storeys on one page.
 STOREYS = 0.1
 
 
 class Drawings:
-    """Drawings to train on by number, each drawn when first asked for."""
+    """Training drawings by number; each is drawn when it is first used."""
 
     def __init__(self, settings: PlanSettings, seed: int) -> None:
         self.settings, self.seed = settings, seed
@@ -43,7 +43,7 @@ class Drawings:
 
 
 def _beside(first: DrawnPlan, second: DrawnPlan) -> DrawnPlan:
-    """Return two storeys on one page; the plan told is the first's."""
+    """Return two storeys on one page; the result's `plan` is that of the first."""
     heights = [drawn.labels.shape[0] for drawn in (first, second)]
     images, labels = [], []
     for drawn in (first, second):
@@ -56,9 +56,9 @@ def _beside(first: DrawnPlan, second: DrawnPlan) -> DrawnPlan:
 def other_drawing(
     number: int, seed: int, ppm: float, *, held_out: bool, finer: int = 2, opened: float = 0.0
 ) -> DrawnPlan:
-    """Return a drawing of a home that no training sees, `held_out`: in a style that none sees.
+    """Return a drawing of a home that is not trained on; if `held_out`, its style is not either.
 
-    Inner doors are open passages with the chance `opened`, beside what the style opens.
+    If `opened` is not 0, it replaces the style's probability that an inner door is a passage.
     """
     rng = generator(seed, "other plan drawing", held_out, number)
     style = draw_style(rng, held_out=held_out)
@@ -80,11 +80,11 @@ def draw_view(
     if rng.random() < 0.5:  # a quarter turn
         move = np.array([[0.0, -1, h], [1, 0, 0], [0, 0, 1]]) @ move
         h, w = w, h
-    if rng.random() < 0.5:  # letters are mirrored too, but walls are walls
+    if rng.random() < 0.5:  # this mirrors letters too, which does not matter for walls
         move = np.array([[-1.0, 0, w], [0, 1, 0], [0, 0, 1]]) @ move
     zoom = float(np.exp(rng.uniform(-0.3, 0.3)))
     spare = side - np.array([w, h]) * zoom
-    # A plan that fits lies anywhere on the view; of a larger one a part is seen.
+    # A plan that fits lies anywhere on the view; a larger one is seen in part.
     offset = rng.uniform(np.minimum(0, spare), np.maximum(0, spare))
     move = np.array([[zoom, 0, offset[0]], [0, zoom, offset[1]], [0, 0, 1]]) @ move
     wobble = float(rng.uniform(0, 1.5)) if rng.random() < 0.2 else 0.0
@@ -112,7 +112,7 @@ def draw_batch(drawings: Drawings, rng: np.random.Generator) -> tuple[torch.Tens
 
 
 def _without_plan(image: np.ndarray, labels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return a view with the plan painted over by what is around it."""
+    """Return a view in which the plan is painted over with the median colour around it."""
     rows, columns = np.nonzero(labels)
     if len(rows) == 0:
         return image, labels

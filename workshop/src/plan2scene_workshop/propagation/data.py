@@ -1,9 +1,9 @@
 """Training houses of the propagation network: plans, styles and crops, without any rendering.
 
-A photo's crop of a surface is imitated by a metric window of its clean tile: as soft as crops of
-good photos are in some homes, spoiled as crops of bad ones in the others. Half of the homes are
-plain. The light of a room is not in the crops: embeddings are lit when they are used
-(:mod:`plan2scene_workshop.propagation.light`).
+A metric window of a surface's clean tile imitates the crop of a photo. In some homes it is as soft
+as a crop of a good photo, in the others it is degraded like one of a bad photo. Half of the homes
+are plain. Crops do not contain the light of the room: it is applied to the embeddings when they
+are used (:mod:`plan2scene_workshop.propagation.light`).
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ from plan2scene_workshop.homes.floorplans import generate_house
 from plan2scene_workshop.homes.style import PLAIN, VARIED, Style, assign_materials
 from plan2scene_workshop.texture.degradation import CROP_PX, ROOM_PHOTO, photograph, window
 
-#: Sides of the metric windows that crops are cut at (the crop stage's usual sizes).
+#: Sides of the windows of the crops in metres (the usual sizes of the crop stage).
 WINDOW_METRES = (0.5, 0.75, 1.0)
-#: Shares of the homes that are plain, and whose crops are those of bad photos.
+#: Share of homes that are plain, and share of homes whose crops imitate bad photos.
 PLAIN_SHARE, BAD_SHARE = 0.5, 0.5
-#: Those: light and colour of a whole crop are not of this table's making.
+#: Degradation of bad photos, without a change of a whole crop's light and colour (see above).
 BAD = replace(ROOM_PHOTO, white_balance=0.0, exposure=0.0)
-#: Share of a crop's pixels along a side that the photo had (the crop table's sharpness).
+#: Range of the photo's resolution relative to the crop's (`sharpness` in the crop table).
 SHARPNESS = (0.4, 1.0)
 _LOG = logging.getLogger("plan2scene")
 
 
 def uneven(crop: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Return a (128, 128, 3) uint8 crop under a smooth falloff of light."""
+    """Return a (128, 128, 3) uint8 crop under a linear gradient of light."""
     slope = rng.normal(0.0, 0.06, 2)
     ramp = np.linspace(-1.0, 1.0, CROP_PX)
     field = 1.0 + slope[0] * ramp[:, None] + slope[1] * ramp[None]
@@ -43,7 +43,7 @@ def uneven(crop: np.ndarray, rng: np.random.Generator) -> np.ndarray:
 
 
 def softened(crop: np.ndarray, sharpness: float) -> np.ndarray:
-    """Return a (128, 128, 3) uint8 crop enlarged from `sharpness` of its pixels along a side."""
+    """Return a (128, 128, 3) uint8 crop, reduced by the factor `sharpness` and enlarged again."""
     side = max(round(CROP_PX * sharpness), 8)
     small = cv2.resize(crop, (side, side), interpolation=cv2.INTER_AREA)
     return cv2.resize(small, (CROP_PX, CROP_PX), interpolation=cv2.INTER_CUBIC)
@@ -68,9 +68,9 @@ def _house_crops(house: House, seed: int, style: Style) -> np.ndarray:
 def write_training_houses(output: str | Path, *, count: int, seed: int) -> None:
     """Write `count` synthetic houses as one ``.npz``.
 
-    Arrays, rooms of all houses one after the other: ``house`` (n,) int, ``types`` (n, 12)
-    float32, ``edges`` (2, m) int64 over global room rows, ``crops`` (n, 3, 128, 128, 3) uint8
-    (surfaces in the order of ``SURFACES``), ``plain`` (n,) bool.
+    The arrays hold the n rooms of all houses one after the other: ``house`` (n,) int, ``types``
+    (n, 12) float32, ``edges`` (2, m) int64 between rows of rooms, ``crops`` (n, 3, 128, 128, 3)
+    uint8 (surfaces in the order of ``SURFACES``), ``plain`` (n,) bool.
     """
     owners, types, edges, crops, plain = [], [], [], [], []
     rooms = 0

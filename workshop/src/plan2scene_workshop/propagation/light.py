@@ -1,10 +1,10 @@
-"""Light of training homes: what photos make of the colours of a house's surfaces.
+"""Random light in training homes: how it changes the colours of surfaces in photos.
 
 A texture's code hardly depends on the light (its network sees colours relative to the crop's own),
-so light acts on embeddings, drawn anew each time that a house is: the exposure and balance of the
-house, the light of each room, shade on each surface. That is what a surface looks like in its own
-room, which is to predict. What photos tell of it differs further: by the part that they show, by
-noise in the code, and now and then a crop shows the next room's surface through a door.
+so light is applied to embeddings, anew each time that a house is drawn: the exposure and balance
+of the house, the light of each room, shade on each surface. The result is the look of a surface in
+its own room, which the network must predict. The embeddings from photos differ further: photos
+show only a part, the code has noise, and some crops show the next room's surface through a door.
 
 Axes: log brightness, warmth (red up, blue down) and tint (red, blue) of linear colours.
 """
@@ -19,30 +19,30 @@ from plan2scene.colour import from_log_axes, linear_to_srgb, log_axes, srgb_to_l
 from plan2scene.house import SURFACES
 from plan2scene.propagation.graph import HouseGraph
 
-#: First of the embedding's three colour values.
+#: Index of the first of the embedding's three colour values.
 _COLOUR = 8
-#: Log red and log blue, against green, of one unit of warmth (lamp light against daylight: the two
-#: real development flats' rooms lie along this line, correlation -.9).
+#: Log red and log blue, relative to green, of one unit of warmth (lamp light against daylight: the
+#: rooms of the two real development flats lie along this line, correlation -.9).
 _WARMTH = np.array([1.0, -0.5])
 
 
 @dataclass(frozen=True)
 class Light:
-    """Standard deviations of brightness and warmth; of a range each house has its own."""
+    """Standard deviations of brightness and warmth; each house draws its own from a "range"."""
 
     exposure: tuple[float, float]  #: mean and deviation of the houses' brightness
     warmth: tuple[float, float]  #: mean and deviation of the houses' warmth
     room_brightness: tuple[float, float]  #: range
     room_warmth: tuple[float, float]  #: range
     room_tint: float
-    surface: tuple[float, float]  #: shade on a surface of a room
-    photo: tuple[float, float]  #: what photos tell against what there is
-    code: float  #: noise of the codes of what photos tell, of their deviation over surfaces
-    next_room: float  #: chance that crops show the next room's surface, in part or in all
+    surface: tuple[float, float]  #: brightness and warmth of the shade on each surface
+    photo: tuple[float, float]  #: error of brightness and warmth in photos of a surface
+    code: float  #: noise of the codes from photos, relative to the codes' deviation over surfaces
+    next_room: float  #: probability that crops show the next room's surface, partly or fully
 
 
-#: What the light corrections leave of the light of rendered photos (measured on them: median
-#: dE2000 3.7, of it 1.6 in colour).
+#: Remaining light of rendered photos after the light corrections (measured on them: median dE2000
+#: 3.7, of it 1.6 in colour).
 CORRECTED = Light(
     exposure=(0.0, 0.0),
     warmth=(0.0, 0.0),
@@ -54,8 +54,8 @@ CORRECTED = Light(
     code=0.0,
     next_room=0.0,
 )
-#: Photos in their own light. On two real development flats white walls lie at -.9 and -1.5 of log
-#: brightness, the rooms of one .13 and .32 apart in it and .04 and .30 in red.
+#: Photos in their own light. In two real development flats the log brightness of white walls is
+#: -.9 and -1.5; the rooms of a flat differ by .13 and .32 in it, and by .04 and .30 in log red.
 PHOTOS = Light(
     exposure=(-0.6, 0.45),
     warmth=(0.1, 0.15),
@@ -70,7 +70,7 @@ PHOTOS = Light(
 
 
 def lit(graph: HouseGraph, rng: np.random.Generator, light: Light) -> tuple[np.ndarray, np.ndarray]:
-    """Return what photos tell of the surfaces of a fully observed house, and what they look like.
+    """Light a fully observed house; return its surfaces as photos show them, and as they look.
 
     Both are embeddings, (n, 3, 11) float32.
     """
@@ -101,6 +101,9 @@ def lit(graph: HouseGraph, rng: np.random.Generator, light: Light) -> tuple[np.n
 
 
 def _moved(colours: np.ndarray, axes: np.ndarray, tint: np.ndarray) -> np.ndarray:
-    """Return sRGB (n, 3, 3) of log colours under light: brightness and warmth (n, 3, 2), tint."""
+    """Return sRGB (n, 3, 3) of colours on log axes, shifted by brightness, warmth and tint.
+
+    `axes` (n, 3, 2) is brightness and warmth.
+    """
     shift = np.concatenate([axes[..., :1], axes[..., 1:2] * _WARMTH + tint], axis=-1)
     return linear_to_srgb(np.minimum(from_log_axes(colours + shift), 1.0))

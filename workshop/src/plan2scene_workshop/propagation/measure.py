@@ -1,4 +1,4 @@
-"""How well hidden surfaces are predicted, by networks and by simpler predictors."""
+"""Errors of networks and of simpler predictors on hidden surfaces."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from plan2scene.seeds import generator
 from plan2scene_workshop.propagation.light import Light, lit
 from plan2scene_workshop.training.card import table
 
-#: Share of rooms hidden, as of photos in the paper's Unobserved column.
+#: Share of rooms that are hidden, like the photos of the paper's column "Unobserved".
 HIDDEN = 0.6
 #: The predictor that others are compared with.
 YARDSTICK = "room_type_mean"
-#: A graph whose `observed` says what is visible -> embeddings (n, 3, 11) and confidence (n, 3).
+#: Graph (`observed` marks its visible surfaces) -> embeddings (n, 3, 11) and confidence (n, 3).
 Predictor = Callable[[HouseGraph], tuple[np.ndarray, np.ndarray]]
 
 
@@ -32,11 +32,11 @@ class HiddenErrors:
 
     absolute: np.ndarray  #: (n, 11) float64, of the embedding
     colour: np.ndarray  #: (n,) float64, CIEDE2000 of the median colours
-    confidence: np.ndarray  #: (n,) float64, NaN where not told
+    confidence: np.ndarray  #: (n,) float64, NaN if the predictor gives none
 
 
 def predictors(networks: Mapping[str, Network], means: TypeMeans) -> dict[str, Predictor]:
-    """Return networks and the rules, which do not tell a confidence, as predictors."""
+    """Return networks and the rules (which give no confidence) as predictors."""
 
     def by_network(network: Network, graph: HouseGraph) -> tuple[np.ndarray, np.ndarray]:
         found = predict(network, graph)
@@ -56,10 +56,10 @@ def hidden_errors(
     homes: Sequence[tuple[HouseGraph, np.ndarray]],
     seed: int,
 ) -> dict[str, HiddenErrors]:
-    """Return the errors of predictors on the same hidden rooms.
+    """Return the errors of predictors, all on the same hidden rooms.
 
-    `homes` are what photos tell of fully photographed houses, and what their surfaces look like,
-    (n, 3, 11).
+    `homes` are pairs: a fully photographed house with embeddings from photos, and the true
+    embeddings (n, 3, 11) of its surfaces.
     """
     rng = generator(seed, "hidden rooms")
     found: dict[str, list[tuple[np.ndarray, ...]]] = {name: [] for name in predictors}
@@ -85,7 +85,7 @@ def hidden_errors(
 def lit_homes(
     graphs: Sequence[HouseGraph], light: Light, seed: int, repeats: int = 3
 ) -> list[tuple[HouseGraph, np.ndarray]]:
-    """Return houses as photos of a light tell of them, each several times."""
+    """Return pairs as `hidden_errors` takes them: each house `repeats` times, in random light."""
     rng = generator(seed, "held-out light")
     homes = []
     for graph in [*graphs] * repeats:
@@ -100,7 +100,7 @@ def _lab(embeddings: np.ndarray) -> np.ndarray:
 
 
 def error_table(errors: Mapping[str, HiddenErrors]) -> str:
-    """Return the errors as a Markdown table, gains over the yardstick beside them."""
+    """Return the errors, and their gains over `YARDSTICK`, as a Markdown table."""
     base = errors[YARDSTICK]
     head = ["predictor", "L1", "gain", "code (8)", "colour (3)", "dE2000", "gain", "median dE2000"]
     rows: dict[str, list[float | int | str]] = {
@@ -119,7 +119,7 @@ def error_table(errors: Mapping[str, HiddenErrors]) -> str:
 
 
 def confidence_table(errors: HiddenErrors) -> str:
-    """Return a Markdown table of errors by confidence: what a confidence is worth."""
+    """Return a Markdown table of errors by confidence, to show how far it can be trusted."""
     rows: dict[str, list[float | int | str]] = {}
     for low, high in itertools.pairwise((0.0, 0.2, 0.4, 0.6, 0.8, 1.0)):
         mine = (errors.confidence >= low) & (errors.confidence < (high if high < 1 else 2))

@@ -52,7 +52,7 @@ _CONFIDENCE = """
 What a confidence is worth (the last surfaces):
 
 """
-#: Held-out homes of the card: plain ones or varied, in which light.
+#: The card's groups of held-out homes: whether they are plain, and their light.
 _HELD_OUT = {
     "Varied homes, corrected light": (False, CORRECTED),
     "Varied homes, photos' light": (False, PHOTOS),
@@ -78,9 +78,9 @@ def train_propagation(
 ) -> None:
     """Train on the houses of ``write_training_houses``; write weights and card.
 
-    The card compares the network with simpler predictors and with ablations trained alike: the
-    paper's network, and the network without doors. `checkpoint` is the network's own: it is
-    continued where it is of this run, ablations start over.
+    The card compares the network with simpler predictors and with ablations that are trained the
+    same way: the paper's network, and the network without doors. Training of the main network
+    continues from `checkpoint` if it is of this run; ablations have no checkpoint.
     """
     with np.load(houses, allow_pickle=False) as file:
         data = {name: file[name] for name in file.files}
@@ -126,7 +126,7 @@ def _figures(
     plain: np.ndarray,
     seed: int,
 ) -> str:
-    """Return the card's figures; `name` is the trained network's of those `tried`."""
+    """Return the card's figures of all predictors `tried`; `name` is the trained network's."""
     figures = _FIGURES.format(HIDDEN)
     for title, (is_plain, light) in _HELD_OUT.items():
         homes = [graph for graph, it in zip(held_out, plain, strict=True) if it == is_plain]
@@ -143,7 +143,7 @@ def _figures(
 def split_graphs(
     house: np.ndarray, types: np.ndarray, edges: np.ndarray, embeddings: np.ndarray
 ) -> list[HouseGraph]:
-    """Return one fully observed graph a house from the arrays of ``write_training_houses``.
+    """Return a fully observed graph of each house in the arrays of ``write_training_houses``.
 
     `embeddings` are (n * 3, 11) float32.
     """

@@ -11,17 +11,17 @@ class PropagationSettings:
     """Hyperparameters of the propagation network's training."""
 
     network: Literal["pointer", "gated"] = "pointer"  #: the embedded one, or the paper's
-    doors: bool = True  #: without, rooms know of no neighbours
+    doors: bool = True  #: false: no edges between rooms, so that they have no neighbours
 
-    # What is drawn.
-    batch: int = 32  #: houses in a step (paper: 32)
-    room_drop_share: float = 0.6  #: of the samples, those that hide whole rooms
+    # Sampling.
+    batch: int = 32  #: number of houses in a step (paper: 32)
+    room_drop_share: float = 0.6  #: share of samples that hide whole rooms
 
-    photo_light_share: float = 0.6  #: of the samples, those in photos' own light
+    photo_light_share: float = 0.6  #: share of samples in photos' own light; others: corrected
 
-    # Optimiser: AdamW, a cosine to 0.
+    # Optimiser: AdamW; the rate falls by a cosine to 0.
     steps: int = 3000
     learning_rate: float = 2e-3
     weight_decay: float = 1e-4
 
-    held_out_share: float = 0.15  #: of the houses, for choosing the step and for the card
+    held_out_share: float = 0.15  #: share of houses for choosing the best step and for the card

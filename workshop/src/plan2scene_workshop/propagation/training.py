@@ -1,8 +1,8 @@
 """Training of the propagation networks on synthetic houses (paper section 5.4).
 
-A sample hides surfaces, singly or by whole rooms (what a house with unphotographed rooms looks
-like), and predicts all that it hid. Each sample starts from the full house: exclusions never
-accumulate. The paper's network learns by L1, the pointer network by likelihood.
+A sample hides surfaces, one by one or by whole rooms (as in a house with unphotographed rooms),
+and the network predicts all hidden ones. Each sample starts from the full house: hidden surfaces
+never accumulate. The loss is L1 for the paper's network, the likelihood for the pointer network.
 """
 
 from __future__ import annotations
@@ -33,15 +33,15 @@ from plan2scene_workshop.propagation.light import CORRECTED, PHOTOS, lit
 from plan2scene_workshop.propagation.settings import PropagationSettings
 from plan2scene_workshop.training.loop import Trained, Trainer, TrainerOptions, cosine
 
-#: Shares of surfaces hidden, as often as listed: the authors' public configuration has
-#: (0, 0, 0, .2, .2, .4, .6), which the benchmark's houses with .6 hidden lie at the edge of.
+#: Shares of hidden surfaces; each entry is equally likely. The authors' public configuration is
+#: (0, 0, 0, .2, .2, .4, .6), but then the benchmark's .6 would be at the edge of the range.
 DROP_FRACTIONS = (0.0, 0.2, 0.4, 0.6, 0.6, 0.8)
-#: Most of the surfaces that photos miss of the rooms that they show.
+#: Largest share of surfaces that are hidden in rooms that are not hidden as a whole.
 MISSED = 0.4
 
 
 def hide(graph: HouseGraph, rng: np.random.Generator, room_share: float) -> np.ndarray:
-    """Return which surfaces stay visible, (n, 3) bool; at least one is hidden."""
+    """Hide random surfaces; return which stay visible, (n, 3) bool. At least one is hidden."""
     visible = graph.observed.copy()
     fraction = DROP_FRACTIONS[rng.integers(len(DROP_FRACTIONS))]
     if rng.random() < room_share:
@@ -54,10 +54,10 @@ def hide(graph: HouseGraph, rng: np.random.Generator, room_share: float) -> np.n
 
 
 class Houses:
-    """Houses to draw samples from, each lit anew, with standardised embeddings.
+    """Houses to draw samples from, each in new random light, with standardised embeddings.
 
-    `settings` say how many samples hide whole rooms, and in what light photos are; `scale` is the
-    embeddings' mean and deviation.
+    `settings` give the shares of samples that hide whole rooms and of each light; `scale` is the
+    embeddings' mean and standard deviation.
     """
 
     def __init__(
@@ -70,9 +70,9 @@ class Houses:
         self.full = [graph_data(graph) for graph in graphs]
 
     def draw(self, count: int, rng: np.random.Generator) -> Batch:
-        """Return `count` houses as one disjoint graph; ``hidden`` (n, 3) are to predict.
+        """Return `count` houses as one disjoint graph; ``hidden`` (n, 3) marks what to predict.
 
-        ``embeddings`` (n, 3, 11) are what photos tell, ``truth`` what surfaces look like.
+        ``embeddings`` (n, 3, 11) are those from photos, ``truth`` the true ones.
         """
         chosen = rng.integers(len(self.graphs), size=count)
         return Batch.from_data_list([self._sample(int(k), rng) for k in chosen])
@@ -92,7 +92,7 @@ class Houses:
 
 
 def surface_losses(network: Network, data: Data) -> Tensor:
-    """Return the losses of the hidden surfaces: negative log likelihood, or the paper's L1."""
+    """Return the loss of each hidden surface: negative log likelihood, or the paper's L1."""
     if isinstance(network, PointerNetwork):
         return -log_likelihood(network(data), data)[data.hidden]
     output = network(data.x, data.edge_index)
@@ -100,7 +100,7 @@ def surface_losses(network: Network, data: Data) -> Tensor:
 
 
 def log_likelihood(mixture: Mixture, data: Data) -> Tensor:
-    """Return log densities (n, 3) of what the surfaces look like, ``data.truth``."""
+    """Return the log densities (n, 3) of ``data.truth`` under the mixture."""
     truth, (source, target) = data.truth, data.pair_index
     own = _laplace(truth - mixture.own, mixture.own_scale) + mixture.log_own
     apart = truth[target] - data.embeddings[source]
@@ -113,12 +113,12 @@ def log_likelihood(mixture: Mixture, data: Data) -> Tensor:
 
 
 def _laplace(gap: Tensor, scale: Tensor) -> Tensor:
-    """Return log densities, summed over the last axis."""
+    """Return log densities of the Laplace distribution, summed over the last axis."""
     return -(gap.abs() / scale + (2.0 * scale).log()).sum(-1)
 
 
 def scale_of(graphs: Sequence[HouseGraph]) -> tuple[np.ndarray, np.ndarray]:
-    """Return mean and deviation, (11,) float32, of the surfaces' embeddings in photos' light."""
+    """Return mean and standard deviation, (11,) float32, of surface embeddings in photos' light."""
     rng = generator(0, "scale")
     values = np.concatenate([lit(graph, rng, PHOTOS)[1][graph.observed] for graph in graphs])
     return values.mean(axis=0), values.std(axis=0) + 1e-6
@@ -126,11 +126,11 @@ def scale_of(graphs: Sequence[HouseGraph]) -> tuple[np.ndarray, np.ndarray]:
 
 @torch.no_grad()
 def fold(network: Network, centre: np.ndarray, deviation: np.ndarray) -> None:
-    """Make a network of standardised embeddings one of raw embeddings, in place.
+    """Change a network for standardised embeddings into one for raw embeddings, in place.
 
-    The pointer network keeps the scale. In the paper's, first and last layer are rewritten,
-    exactly: a surface's presence flag is an input beside its values, so the shift by the mean
-    moves into the flag's weight and no layer is added.
+    The pointer network stores the scale. In the paper's network the scale is folded exactly into
+    the weights of the first and last layer: each surface has a presence flag as an input beside its
+    values, so the shift by the mean goes into the flag's weight.
     """
     mean, spread = torch.from_numpy(centre), torch.from_numpy(deviation)
     if isinstance(network, PointerNetwork):
@@ -139,7 +139,7 @@ def fold(network: Network, centre: np.ndarray, deviation: np.ndarray) -> None:
         return
     shape = (len(SURFACES), EMBEDDING_SIZE)
     state = network.state_dict()
-    # A surface's inputs are its flag, then its values.
+    # The inputs of a surface are its flag, then its values.
     blocks = state["linear1.0.weight"][:, len(ROOM_TYPES) :].unflatten(1, (shape[0], -1))
     blocks[..., 1:] /= spread
     blocks[..., 0] -= blocks[..., 1:] @ mean
@@ -156,10 +156,10 @@ def train_network(
     checkpoint: Path | None = None,
     run: object = None,
 ) -> Trained[PropagationNetwork | PointerNetwork]:
-    """Return the network that does best on `held_out`.
+    """Train; return the network with the lowest loss on `held_out`.
 
-    Graphs hold raw embeddings; so do the returned network's input and output. `checkpoint` is
-    continued where it is of this run; `run` tells these graphs from others.
+    The graphs, and the returned network's input and output, have raw embeddings. Training continues
+    from `checkpoint` if it is of this run; `run` identifies the graphs.
     """
     torch.manual_seed(derive_seed(seed, "propagation weights"))
     network: Network = NETWORKS[settings.network]()
@@ -197,5 +197,5 @@ def train_network(
 
 
 def without_doors(graphs: Sequence[HouseGraph]) -> list[HouseGraph]:
-    """Return graphs of the same rooms without edges."""
+    """Return the graphs without their edges."""
     return [replace(graph, edges=graph.edges[:, :0]) for graph in graphs]

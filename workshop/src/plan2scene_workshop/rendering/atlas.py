@@ -1,4 +1,4 @@
-"""Tiles of many sizes with mip levels in one array, looked up by the renderer's kernels."""
+"""A texture atlas: tiles of many sizes with mip levels in one array, for the renderer's kernels."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-#: Levels kept of each tile; the smallest is used for all that is farther away.
+#: Number of mip levels of each tile; the smallest is used for all larger distances.
 LEVELS = 8
 
 
 class Atlas:
-    """Square-wrapped tiles (h, w, 3) uint8 sRGB, bilinear within the nearest mip level."""
+    """Repeated tiles (h, w, 3) uint8 sRGB, interpolated bilinearly within one mip level."""
 
     def __init__(self, tiles: Sequence[NDArray[np.uint8] | None], mi: Any) -> None:
         self._mi = mi
@@ -41,11 +41,11 @@ class Atlas:
         self._widths = mi.Int32(np.array(widths or [1], np.int32))
 
     def tile_of(self, groups: NDArray[np.int32]) -> NDArray[np.int32]:
-        """Return the tile of each group's index (m,); -1 for those without."""
+        """Return the tile number of each group index (m,); -1 for groups without a tile."""
         return self._of_group[groups]
 
     def lookup(self, tile: Any, uv: Any, footprint: Any, active: Any) -> Any:
-        """Return linear colours; `uv` and `footprint` (side of a sample) in tiles, v down."""
+        """Return linear colours at `uv` (v down); `footprint` is a sample's side; both in tiles."""
         mi, dr = self._mi, self._dr
         first = dr.select(active, tile, 0) * LEVELS
         side = mi.Float(dr.gather(mi.Int32, self._heights, first, active))
@@ -88,7 +88,7 @@ def _mip_levels(tile: NDArray[np.uint8]) -> list[NDArray[np.uint8]]:
 
 
 def _packed(tile: NDArray[np.uint8]) -> NDArray[np.uint32]:
-    """Return (h * w,) uint32 of (h, w, 3) bytes, red lowest."""
+    """Return (h * w,) uint32 of (h, w, 3) bytes, with red in the lowest byte."""
     wide = tile.astype(np.uint32)
     packed = wide[..., 0] | wide[..., 1] << 8 | wide[..., 2] << 16
     return packed.astype(np.uint32).ravel()

@@ -1,4 +1,4 @@
-"""Beds with a patterned cover over all of them: seen from near, their tops pass for floors."""
+"""Beds under a patterned cover; from near, their tops look like floors."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from plan2scene_workshop.rendering.pieces import Look, Piece, cushion, hard, sof
 
 
 def patchwork(rng: np.random.Generator, size: int = 192) -> NDArray[np.uint8]:
-    """Return a quilt's tile, (size, size, 3) uint8 sRGB: patches of a few hues, some with motifs.
+    """Return the tile of a quilt, (size, size, 3) uint8 sRGB, with patches, some with motifs.
 
     It repeats in both directions.
     """
@@ -65,7 +65,7 @@ def covered_bed(rng: np.random.Generator, palette: Palette, cover: Look) -> Piec
         x = (k - (0 if wide < 1.3 else 0.5)) * wide / 2
         look = cover if rng.random() < 0.5 else sheet
         piece.add(look, cushion((x, level + 0.06, 0.35), (0.62, 0.2, 0.42), 0.55))
-    for _ in range(int(rng.integers(0, 4))):  # what lies on it
+    for _ in range(int(rng.integers(0, 4))):  # cushions and clothes on the bed
         low, deep = float(rng.uniform(0.03, 0.18)), float(rng.uniform(0.2, 0.7))
         turn = placement(
             rng.uniform(-0.35, 0.35) * wide, rng.uniform(0.4, 0.9) * long, rng.normal(0, 1), level

@@ -1,4 +1,4 @@
-"""From linear radiance to a listing photo: exposure, balance, tone, lens, sensor, JPEG."""
+"""Camera model: linear radiance to a photo by exposure, balance, lens, sensor, tone and JPEG."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ _LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
 
 @dataclass(frozen=True)
 class CameraStyle:
-    """What one shot does to the light."""
+    """Camera parameters of one shot."""
 
     exposure_stops: float  #: bias of the automatic exposure
-    balance: tuple[float, float, float]  #: gains left by the automatic white balance, near 1
-    cast_left: float  #: share in [0, 1] of the illuminant's colour that the balance leaves in
+    balance: tuple[float, float, float]  #: gains by errors of the automatic white balance, near 1
+    cast_left: float  #: share in [0, 1] of the light's colour that white balance does not remove
     shoulder: float  #: linear value above which highlights are compressed
     contrast: float  #: exponent about middle grey, near 1
     vignette: float  #: loss of light in the corners, in [0, 1]
     blur_px: float  #: standard deviation of the lens blur at 640 px of width
-    noise: float  #: deviation of the sensor noise at full scale; shot noise grows with the root
-    #: Exponent on the light's brightness about its median; below 1 several exposures were merged,
-    #: as listings do, so that neither corners nor window sides lose their texture.
+    noise: float  #: sensor noise: its deviation is this times sqrt(value + 0.02), full scale 1
+    #: Exponent on the light's brightness relative to its median. Below 1 it imitates merged
+    #: exposures as in listings, so that dark corners and bright window sides keep their texture.
     range_kept: float
 
 
@@ -61,7 +61,7 @@ def develop(
     Parameters
     ----------
     radiance, albedo : (h, w, 3) float32
-        Linear RGB; the albedo tells the meter how much light falls in, and its colour.
+        Linear RGB; from the albedo, metering computes the amount and colour of incident light.
 
     Returns
     -------
@@ -78,7 +78,7 @@ def develop(
 
 
 def merge_exposures(light: Image, lit: NDArray[np.bool_], kept: float) -> Image:
-    """Return `light` (h, w, 3) with its brightness raised to `kept` about its median."""
+    """Return `light` (h, w, 3) with its brightness over the median raised to the power `kept`."""
     grey = light @ _LUMINANCE
     if not lit.any():
         return light
@@ -90,7 +90,7 @@ def merge_exposures(light: Image, lit: NDArray[np.bool_], kept: float) -> Image:
 def _metering(
     radiance: Image, albedo: Image, lit: NDArray[np.bool_], style: CameraStyle
 ) -> NDArray[np.float32]:
-    """Return gains (3,): exposure by incident and reflected light, and white balance."""
+    """Return gains (3,) of exposure (by incident and reflected light) and white balance."""
     if not lit.any():
         return np.ones(3, np.float32)
     light = radiance[lit] / np.maximum(albedo[lit], MIN_ALBEDO)
@@ -98,7 +98,7 @@ def _metering(
     reflected = float(np.exp(np.mean(np.log(radiance[lit] @ _LUMINANCE + 1e-4))))
     exposure = (0.64 / max(incident, 1e-4)) ** 0.6 * (0.25 / max(reflected, 1e-4)) ** 0.4
     bright = float(np.percentile(radiance[lit] @ _LUMINANCE, 92))
-    exposure = min(exposure, 0.8 / max(bright, 1e-4))  # walls keep their texture, windows burn out
+    exposure = min(exposure, 0.8 / max(bright, 1e-4))  # walls are not overexposed, windows are
     colour = np.median(light, axis=0) / max(incident, 1e-6)
     correction = np.maximum(colour, 0.1) ** -(1 - style.cast_left)
     gains = correction * np.array(style.balance) * exposure * 2**style.exposure_stops
@@ -118,7 +118,7 @@ def _lens(image: Image, style: CameraStyle) -> Image:
 
 
 def tone(image: Image, style: CameraStyle) -> Image:
-    """Return values in [0, 1]: contrast about middle grey, linear to the shoulder, soft above."""
+    """Return values in [0, 1]: contrast about middle grey, then compression above the shoulder."""
     image = 0.4 * (image / 0.4) ** style.contrast
     start = style.shoulder
     over = np.maximum(image - start, 0) / (1 - start)

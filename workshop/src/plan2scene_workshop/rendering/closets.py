@@ -1,4 +1,4 @@
-"""Fitted closets: fronts flush with a wall that slide, fold or swing; doors in the truth."""
+"""Fitted closets: sliding or hinged fronts on a wall; their label is door."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from plan2scene_workshop.rendering.geometry import Colour, Geometry, box, merge
 from plan2scene_workshop.rendering.palette import WOODS, Palette, linear
 from plan2scene_workshop.rendering.shell import WallFace
 
-#: Share of the plain walls, long enough, that a closet is fitted into.
+#: Probability that a wall that is long enough and has no opening gets a closet.
 SHARE = 0.25
-#: Narrowest and widest front, and its distance from the wall's ends, metres.
+#: Smallest and largest width of a front, and its least distance from the wall's ends, metres.
 _WIDTHS, _BESIDE = (0.9, 2.8), 0.12
 
 
 def draw_leaf(rng: np.random.Generator, palette: Palette) -> tuple[str, Colour]:
-    """Return material and colour of a leaf: the home's paint, white, a wood, at times any paint."""
+    """Return material and colour of a leaf: wood, white, the home's door paint, or any paint."""
     kind = rng.random()
     if kind < 0.4:
         return str(rng.choice(WOODS)), palette.door
@@ -33,7 +33,7 @@ def draw_leaf(rng: np.random.Generator, palette: Palette) -> tuple[str, Colour]:
 def add_closets(
     geometry: Geometry, faces: Sequence[WallFace], palette: Palette, rng: np.random.Generator
 ) -> None:
-    """Add the fronts of closets, at times with mirrors, to some of a room's plain walls."""
+    """Add the fronts of closets, some of them mirrors, to some walls without openings."""
     for face in faces:
         free = face.length - 2 * _BESIDE
         if face.openings or free < _WIDTHS[0] or rng.random() >= SHARE:

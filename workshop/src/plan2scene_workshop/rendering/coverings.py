@@ -1,6 +1,6 @@
-"""What windows are shut with: blinds of slats, of vanes and of cloth, and drawn curtains.
+"""Coverings of windows: blinds with slats or vanes, cloth blinds, and closed curtains.
 
-Shut, they are as large and even as a wall and are none: other in the truth.
+They look large and even like a wall; their true label is other.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _CLEAR = 0.03
 
 @dataclass(frozen=True)
 class _Span:
-    """The part of a wall that a covering hangs in, metres of the wall's face; z is off the wall."""
+    """The area of a covering in metres on the wall's face; z is the distance from the face."""
 
     left: float
     right: float
@@ -34,7 +34,7 @@ class _Span:
         return self.right - self.left
 
 
-#: (span, height of the wall, material of cloth, generator) -> solids of cloth or slats.
+#: (span, generator) -> solid of the covering.
 _Maker = Callable[[_Span, np.random.Generator], Solid]
 
 
@@ -45,7 +45,7 @@ def add_covering(
     palette: Palette,
     rng: np.random.Generator,
 ) -> None:
-    """Shut a window, mostly all of it, by one of :data:`COVERINGS`; its label is other."""
+    """Cover a window, mostly all of it, by one of :data:`COVERINGS`; its label is other."""
     kind = str(rng.choice(list(COVERINGS), p=[0.45, 0.1, 0.15, 0.3]))
     make, cloth = COVERINGS[kind]
     span = _curtained(face, hole, rng) if kind == "curtains" else _blind(face, hole, rng)
@@ -59,7 +59,7 @@ def add_covering(
 
 
 def _blind(face: WallFace, hole: FaceOpening, rng: np.random.Generator) -> _Span:
-    """Return where a blind hangs: in the reveal, or before the wall and a little wider."""
+    """Return the span of a blind: in the reveal, or in front of the wall and a little wider."""
     drop = 1.0 if rng.random() < 0.65 else rng.uniform(0.5, 1.0)
     if rng.random() < 0.5:
         low = hole.top - (hole.top - hole.bottom - 0.01) * drop
@@ -71,7 +71,7 @@ def _blind(face: WallFace, hole: FaceOpening, rng: np.random.Generator) -> _Span
 
 
 def _curtained(face: WallFace, hole: FaceOpening, rng: np.random.Generator) -> _Span:
-    """Return where curtains hang: at times from the ceiling, as wide as the wall."""
+    """Return the span of curtains, sometimes from the ceiling or much wider than the window."""
     wide = rng.random() < 0.35
     beside = rng.uniform(0.3, 2.5, 2) if wide else rng.uniform(0.08, 0.35, 2)
     left, right = _between(face, hole, *beside)
@@ -82,7 +82,7 @@ def _curtained(face: WallFace, hole: FaceOpening, rng: np.random.Generator) -> _
 
 
 def _between(face: WallFace, hole: FaceOpening, left: float, right: float) -> tuple[float, float]:
-    """Return a window's sides moved outwards, at most to the next opening or the wall's end."""
+    """Return a window's sides, moved outwards at most to the next opening or the wall's end."""
     before = [o.right for o in face.openings if o.right <= hole.left]
     after = [o.left for o in face.openings if o.left >= hole.right]
     start = max(hole.left - left, max(before, default=0.0) + _CLEAR)
@@ -91,7 +91,7 @@ def _between(face: WallFace, hole: FaceOpening, left: float, right: float) -> tu
 
 
 def _slats(span: _Span, rng: np.random.Generator) -> Solid:
-    """Return a Venetian blind: slats, mostly turned shut, on tapes between two rails."""
+    """Return a Venetian blind: slats, mostly closed, on tapes between two rails."""
     pitch = 0.025 if rng.random() < 0.5 else rng.uniform(0.04, 0.055)
     shut = rng.random() < 0.7
     angle = np.radians(rng.choice([-1, 1]) * (rng.uniform(50, 78) if shut else rng.uniform(0, 45)))
@@ -110,13 +110,13 @@ def _slats(span: _Span, rng: np.random.Generator) -> Solid:
 
 
 def _turned(at: tuple[float, float, float], c: float, s: float) -> np.ndarray:
-    """Return the placement (4, 4) of a slat at a point, turned about its length."""
+    """Return the transform (4, 4) of a slat to a point, rotated about its length (cos c, sin s)."""
     x, y, z = at
     return np.array([[1, 0, 0, x], [0, c, -s, y], [0, s, c, z], [0, 0, 0, 1.0]])
 
 
 def _vanes(span: _Span, rng: np.random.Generator) -> Solid:
-    """Return a vertical blind: vanes that hang side by side, each turned alike."""
+    """Return a vertical blind: vanes side by side, all turned by the same angle."""
     wide = rng.uniform(0.085, 0.13)
     angle = np.radians(rng.choice([-1, 1]) * rng.uniform(8, 60))
     vane = box((-0.55 * wide, span.low, -0.0007), (0.55 * wide, span.top - 0.04, 0.0007))
@@ -127,7 +127,7 @@ def _vanes(span: _Span, rng: np.random.Generator) -> Solid:
 
 
 def _sheet(span: _Span, rng: np.random.Generator) -> Solid:
-    """Return a roller blind, or a Roman one, which is gathered at times."""
+    """Return a roller blind, or a Roman blind with folds."""
     parts = [box((span.left, span.low, span.z - 0.002), (span.right, span.top, span.z + 0.002))]
     if rng.random() < 0.3:
         for y in np.arange(span.low, span.top - 0.1, rng.uniform(0.15, 0.3)):
@@ -166,7 +166,7 @@ def wavy_sheet(low: float, high: float, bottom: float, top: float, fold: float) 
 
 
 def _pale(rng: np.random.Generator) -> Colour:
-    """Return white, cream or grey, as walls have it."""
+    """Return white, cream or grey, like the colours of walls."""
     return linear(rng.uniform(0.05, 0.2), rng.uniform(0, 0.25), rng.uniform(0.45, 0.95))
 
 
@@ -174,7 +174,7 @@ def _wooden(rng: np.random.Generator) -> Colour:
     return linear(rng.uniform(0.04, 0.1), rng.uniform(0.35, 0.7), rng.uniform(0.15, 0.7))
 
 
-#: What a window is shut with: who makes it, and whether it is of cloth.
+#: Coverings of windows: their maker, and whether they are of cloth.
 COVERINGS: dict[str, tuple[_Maker, bool]] = {
     "slats": (_slats, False),
     "vanes": (_vanes, False),

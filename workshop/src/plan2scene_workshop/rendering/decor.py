@@ -1,7 +1,7 @@
-"""How one scene looks: materials, textiles, pictures, light, clutter.
+"""The look of one scene: materials, textiles, pictures, light, clutter.
 
-Half of the scenes are like real rooms, half are randomised (domain randomisation, Tobin et al.
-2017): any texture at any scale on anything, light of any colour.
+Scenes are like real rooms, or randomised (domain randomisation, Tobin et al. 2017): then any
+surface may have any texture at any scale, and lamps any colour.
 """
 
 from __future__ import annotations
@@ -37,15 +37,15 @@ _RUGS = tuple(f"textile{k}" for k in range(6))
 _SKINS = tuple(f"skin{k}" for k in range(5))
 _QUILTS = tuple(f"quilt{k}" for k in range(3))
 _TOPS = tuple(f"top{k}" for k in range(3))
-#: How often rooms are filled by each of `BULK`.
+#: Probability that a room is filled by each of `BULK`.
 _BULK_SHARES = (0.16, 0.18, 0.16, 0.08, 0.07, 0.15)
-#: The material of boards on walls, and of beams.
+#: Name of the material of boards on walls, and of beams.
 PANELLING = "panelling"
 
 
 @dataclass(frozen=True)
 class Decor:
-    """The look of one scene; a pure function of sources, seed and what is asked."""
+    """The look of one scene; it depends only on the fields below."""
 
     seed: int
     sources: Sources
@@ -53,13 +53,13 @@ class Decor:
     palette: Palette
     style: RoomStyle
     shop: ModelShop
-    listing: bool = False  #: light as photographers of listings want it
-    emptied: bool = False  #: people have moved out; surfaces are as homes have them
-    covered: float = 0.0  #: share of the windows that blinds or curtains shut
-    joinery: bool = False  #: fitted closets, leaves of many kinds, balconies outside
+    listing: bool = False  #: a tidy home with good light, as in photos of listings
+    emptied: bool = False  #: nearly without furniture; surfaces stay normal unless `randomised`
+    covered: float = 0.0  #: share of windows covered by blinds or curtains
+    joinery: bool = False  #: whether there are fitted closets, various doors, balconies outside
 
     def finishes(self) -> dict[str, Finish]:
-        """Return the finishes of textiles, pictures, skins, lit lamps and plain model parts."""
+        """Return the finishes of textiles, pictures, skins, lamps, plain model parts and others."""
         rng = generator(self.seed, "finishes")
         made = {
             "model": Finish(two_sided=True),
@@ -83,7 +83,7 @@ class Decor:
         return made
 
     def _top(self, rng: np.random.Generator) -> Finish:
-        """Return what worktops and tables are covered by: stone or wood, mostly polished."""
+        """Return the finish of worktops and tables: stone or wood, often polished."""
         rough = float(rng.uniform(0.05, 0.6))
         real = [m for m in self.sources.textures if m.substance in ("wood", "tile")]
         if real and rng.random() < 0.6:
@@ -93,14 +93,14 @@ class Decor:
         return Finish(granite(rng), float(np.exp(rng.uniform(-1.2, 0.2))), rough)
 
     def _panelling(self, rng: np.random.Generator) -> Finish:
-        """Return boards side by side."""
+        """Return the finish of boards side by side."""
         real = [m for m in self.sources.textures if m.substance == "wood"]
         wood = real[int(rng.integers(len(real)))].albedo if real and rng.random() < 0.6 else None
         size = float(np.exp(rng.uniform(-0.7, 0.4)))
         return Finish(panels(rng, wood), size, float(rng.uniform(0.2, 0.8)))
 
     def materials(self, materials: Mapping[SurfaceKey, Material]) -> dict[SurfaceKey, Material]:
-        """Return the materials of the rooms' surfaces: as they are, or randomised."""
+        """Return the materials of the rooms' surfaces: as given, partly replaced or randomised."""
         if self.listing or (self.emptied and not self.randomised):
             return dict(materials)
         if not self.randomised:
@@ -118,7 +118,7 @@ class Decor:
         return made
 
     def _plausible(self, key: SurfaceKey, material: Material) -> Material:
-        """Return a surface's material, at times one that listings' homes hardly have."""
+        """Return a surface's material, sometimes replaced by one that is rare in listings."""
         seed = derive_seed(self.seed, "plausible", *key)
         rng = generator(seed)
         other = rng.random()
@@ -133,13 +133,13 @@ class Decor:
         return material
 
     def _real(self, rng: np.random.Generator, substances: tuple[str, ...]) -> Material | None:
-        """Return a real texture of one of the substances; None where there is none."""
+        """Return a real texture of a random one of the substances; None if there is none."""
         wanted = str(rng.choice(substances))
         real = [m for m in self.sources.textures if m.substance == wanted]
         return real[int(rng.integers(len(real)))] if real else None
 
     def furnisher(self) -> Furnisher:
-        """Return what fills the scene's rooms."""
+        """Return the furnisher of the scene's rooms."""
         return Furnisher(self.shop, self.palette, self.style)
 
     def light(self, floor: float, windows: float) -> LightPlan:
@@ -189,7 +189,7 @@ class Decor:
         return (red, green, blue)
 
     def _any(self, rng: np.random.Generator) -> Material:
-        """Return any texture, real where there are some."""
+        """Return any texture, mostly a real one if there are any."""
         textures = self.sources.textures
         if textures and rng.random() < 0.85:
             return textures[int(rng.integers(len(textures)))]
@@ -197,7 +197,7 @@ class Decor:
         return random_surface(key, int(rng.integers(2**31)))
 
     def _textile(self, rng: np.random.Generator) -> Finish:
-        """Return a textile: a real one, its colours changed at times, or a pattern."""
+        """Return a textile: a real one, sometimes in other colours, or a pattern."""
         real = [m for m in self.sources.textures if m.substance == "carpet"]
         if real and rng.random() < 0.6:
             material = real[int(rng.integers(len(real)))]
@@ -206,7 +206,7 @@ class Decor:
         return Finish(pattern(rng, 96), float(np.exp(rng.uniform(-1.8, 0.6))), 1.0)
 
     def _picture(self, rng: np.random.Generator) -> Finish:
-        """Return a poster: a crop of a view or texture, or blobs, with a white margin at times."""
+        """Return a poster: a crop of a view outside, a texture, or blobs."""
         environments = self.sources.environments
         if environments and rng.random() < 0.4:
             view = environments[int(rng.integers(len(environments)))].panorama
@@ -221,7 +221,7 @@ class Decor:
 
 
 def draw_decor(sources: Sources, seed: int, *, randomised: bool, emptied: bool = False) -> Decor:
-    """Draw the look of one scene; an emptied one has walls, doors, windows and hardly a thing."""
+    """Draw the look of one scene; an emptied one has hardly any furniture."""
     rng = generator(seed, "decor")
     kind = "Office" if rng.random() < 0.2 else None
     if randomised and rng.random() < 0.3:
@@ -247,7 +247,7 @@ def draw_decor(sources: Sources, seed: int, *, randomised: bool, emptied: bool =
 
 
 def _emptied(style: RoomStyle, rng: np.random.Generator) -> RoomStyle:
-    """Return the style of a room that was moved out of: what is built in, a few left-overs."""
+    """Return the style of an emptied room: built-in furniture and a few other things."""
     crowd, clutter, rugs = (float(x) for x in rng.uniform(0.0, 0.35, 3) * (rng.random() < 0.7))
     left = replace(
         style, crowd=crowd, clutter=clutter, rugs=rugs, built_in=float(rng.uniform(0, 1))
@@ -256,7 +256,7 @@ def _emptied(style: RoomStyle, rng: np.random.Generator) -> RoomStyle:
 
 
 def listing_decor(sources: Sources, seed: int) -> Decor:
-    """Draw the look of a home that was tidied up for its photos."""
+    """Draw the look of a home that was tidied up for photos."""
     rng = generator(seed, "listing")
     style = RoomStyle(
         crowd=float(rng.uniform(0.9, 1.4)),
@@ -273,7 +273,7 @@ def listing_decor(sources: Sources, seed: int) -> Decor:
 
 
 def _tinted(tile: NDArray[np.uint8], rng: np.random.Generator) -> NDArray[np.uint8]:
-    """Return the tile, in half of the cases in other colours."""
+    """Return the tile, in half of the cases with changed colours."""
     if rng.random() < 0.5:
         return tile
     gain = np.exp(rng.normal(0, 0.3, 3) + rng.normal(0, 0.35))

@@ -1,4 +1,4 @@
-"""Few samples, sharp textures: filter what light does, keep what the surfaces look like.
+"""Denoises renderings with few samples: it filters the light and keeps the sharp textures.
 
 Radiance is divided by the albedo, the quotient is filtered by an edge-avoiding a-trous wavelet
 (Dammertz et al. 2010) guided by normals, positions and brightness, scaled up along the edges of
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Image = NDArray[np.float32]
-#: Albedo below which a pixel is not divided (emitters, black).
+#: Pixels with a smaller albedo (emitters, black) are not divided by it.
 MIN_ALBEDO = 0.02
 _LEVELS = 5
 _KERNEL = (3 / 8, 1 / 4, 1 / 16)
@@ -26,7 +26,7 @@ def demodulate(radiance: Image, albedo: Image) -> tuple[Image, NDArray[np.bool_]
 
 
 def clamp_fireflies(light: Image, lit: NDArray[np.bool_]) -> Image:
-    """Return `light` with samples far above their neighbourhood's median pulled down to it."""
+    """Return `light` with pixels far above their neighbourhood's median reduced to 2.5 x it."""
     grey = light.mean(-1)
     median = cv2.medianBlur(np.log1p(grey).astype(np.float32), 5)
     limit = 2.5 * np.expm1(median) + 1e-3
@@ -35,7 +35,7 @@ def clamp_fireflies(light: Image, lit: NDArray[np.bool_]) -> Image:
 
 
 def fill_dark(light: Image, lit: NDArray[np.bool_]) -> Image:
-    """Return `light` with pixels that hardly any path reached at their neighbourhood's median."""
+    """Return `light` with dark pixels (few paths reached them) set to the neighbours' median."""
     median = cv2.medianBlur(light, 5)
     dark = lit & (light.mean(-1) < 0.35 * median.mean(-1))
     return np.where(dark[..., None], median, light).astype(np.float32)
@@ -94,7 +94,7 @@ def _offsets() -> list[tuple[int, int]]:
 def _pair(
     height: int, width: int, dy: int, dx: int
 ) -> tuple[tuple[slice, slice] | None, tuple[slice, slice] | None]:
-    """Return slices of pixels and of their neighbours (dy, dx) away, both inside the image."""
+    """Return slices of pixels and of their neighbours at offset (dy, dx), both in the image."""
     if dy >= height or abs(dx) >= width:
         return None, None
     rows, moved_rows = slice(0, height - dy), slice(dy, height)
@@ -104,9 +104,9 @@ def _pair(
 
 
 def upsample(light: Image, small: tuple[Image, Image], full: tuple[Image, Image]) -> Image:
-    """Return `light` at the size of the full guides: bilinear weights times guide agreement.
+    """Return `light` upsampled to the full size with bilinear weights times guide agreement.
 
-    `small` and `full` are (normal, position) pairs at the two sizes.
+    `small` and `full` are the guides, pairs (normal, position), at the two sizes.
     """
     height, width = full[0].shape[:2]
     h, w = light.shape[:2]

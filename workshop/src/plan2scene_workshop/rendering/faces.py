@@ -1,4 +1,4 @@
-"""What the quick renderer keeps of each face, and its emitters in equal shares."""
+"""Attributes of each face for the quick renderer, and the split of emitters into parts."""
 
 from __future__ import annotations
 
@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 from plan2scene_workshop.rendering.geometry import JoinedGroup, Solid
 from plan2scene_workshop.rendering.tracer import Finish
 
-#: Emitters of every scene; those it lacks are dark specks far below it, so that the kernel stays.
+#: Number of emitters in every scene, so that one compiled kernel fits all. Missing ones are dark
+#: specks far below the scene.
 EMITTERS = 5
 
 
 @dataclass(frozen=True)
 class Faces:
-    """Per face of the whole scene."""
+    """Attributes of all m faces of a scene."""
 
     labels: NDArray[np.uint8]
     groups: NDArray[np.int32]  #: index into the tracer's `names`
@@ -26,14 +27,14 @@ class Faces:
 
 
 def radiance_of(finish: Finish) -> list[float]:
-    """Return the linear RGB radiance of an emitter, zero of other finishes."""
+    """Return the linear RGB radiance of a finish; zero if it is no emitter."""
     return [float(finish.emission or 0.0) * c for c in finish.light]
 
 
 def split_emitters(shining: list[tuple[Solid, list[float]]]) -> list[tuple[Solid, list[float]]]:
-    """Return the emitters (solid, radiance), the strongest cut until they are :data:`EMITTERS`.
+    """Return the emitters (solid, radiance); the strongest is halved until :data:`EMITTERS` exist.
 
-    Each part is sampled as often as any other; dark ones would waste paths.
+    All emitters are sampled equally often, so dark ones in their place would waste paths.
     """
     parts = list(shining)
     while parts and len(parts) < EMITTERS:
@@ -56,7 +57,7 @@ def _area(solid: Solid) -> float:
 
 
 def faces_of(rows: list[tuple[str, JoinedGroup, Finish]]) -> Faces:
-    """Return the attributes of all faces, group after group."""
+    """Return the attributes of all faces, one group after another."""
     colours, emission = [], []
     for _, group, finish in rows:
         count = len(group.solid.faces)
@@ -78,7 +79,7 @@ def faces_of(rows: list[tuple[str, JoinedGroup, Finish]]) -> Faces:
 def uv_density(
     vertices: NDArray[Any], uv: NDArray[Any], faces: NDArray[Any]
 ) -> NDArray[np.float32]:
-    """Return tiles per metre of each face: the root of the ratio of its areas."""
+    """Return UV units per metre of each face: the square root of UV area over surface area."""
     a, b, c = (vertices[faces[:, k]] for k in range(3))
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
     p, q, r = (uv[faces[:, k]] for k in range(3))

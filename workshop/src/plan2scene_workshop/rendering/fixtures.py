@@ -1,4 +1,4 @@
-"""Doors, windows, and curtains beside them; what windows are shut with: :mod:`.coverings`."""
+"""Doors, windows, and open curtains; closed blinds and curtains are in :mod:`.coverings`."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ LEAF_THICKNESS = 0.04
 
 @dataclass(frozen=True)
 class DoorState:
-    """How a door's leaf stands: `angle` 0 is closed, radians; `swings_in` opens into this room."""
+    """The state of a door's leaf: `angle` in radians, 0 closed; `swings_in`: into this room."""
 
     angle: float
     hinge_left: bool
@@ -42,7 +42,7 @@ def draw_door(rng: np.random.Generator, *, inner: bool) -> DoorState:
 
 
 def add_casing(geometry: Geometry, face: WallFace, hole: FaceOpening, colour: Colour) -> None:
-    """Add boards around a door's opening on one face, and half of the lining inside it."""
+    """Add the casing of a door on one face, and the half of its lining next to that face."""
     a, b, top, width = hole.left, hole.right, hole.top, CASING_WIDTH
     parts = [
         box((a - width, 0, 0), (a, top, CASING_DEPTH)),
@@ -152,7 +152,7 @@ def add_curtains(
     colour: Colour,
     rng: np.random.Generator,
 ) -> None:
-    """Add a rod and two drawn curtains beside a window."""
+    """Add a rod and two open curtains at the sides of a window."""
     top = min(face.height - 0.06, hole.top + rng.uniform(0.08, 0.3))
     bottom = 0.03 if rng.random() < 0.75 else max(hole.bottom - 0.2, 0.03)
     cover = rng.uniform(0.08, 0.25) * (hole.right - hole.left)

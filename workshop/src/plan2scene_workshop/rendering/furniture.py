@@ -1,4 +1,4 @@
-"""Furnishes a room: which pieces, where, and what hangs on the walls."""
+"""Furnishes a room: draws and places its furniture, rugs and pictures."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from plan2scene_workshop.rendering.palette import FABRICS, PICTURES, RUGS, Palet
 from plan2scene_workshop.rendering.pieces import Maker, Piece
 from plan2scene_workshop.rendering.shell import WallFace
 
-#: Per room type: makers of pieces along walls and standing free, with the mean count of each.
+#: For each room type: makers of pieces along walls and of free-standing ones, with mean counts.
 ALONG_WALLS: Mapping[str, Sequence[tuple[Maker, float]]] = {
     "Reception": (
         (living.sofa, 1.3),
@@ -81,16 +81,16 @@ LIKE = {
     "Terrace": "Outdoor",
     "Balcony": "Outdoor",
 }
-#: Floor area in square metres for which the counts above hold.
+#: Floor area in square metres of a room for which the counts above hold.
 TYPICAL_AREA = 14.0
 TRIES = 40
-#: Least distance of a camera from pieces below and above eye height, metres.
+#: Least distance of a camera from pieces up to 1.1 m high, and from higher ones, metres.
 CAMERA_CLEARANCE = (0.5, 1.0)
 DOOR_CLEARANCE = 0.85
 
 
 class Layout:
-    """What is taken: floor footprints, and rectangles on the wall faces."""
+    """The occupied space of a room: floor footprints, and rectangles on the wall faces."""
 
     def __init__(
         self, room: Room, faces: tuple[WallFace, ...], cameras: Sequence[shapely.Point]
@@ -108,7 +108,7 @@ class Layout:
                     self.taken.append(_rectangle(face, hole.left, hole.right, 0.0, DOOR_CLEARANCE))
 
     def fits(self, footprint: shapely.Polygon, height: float) -> bool:
-        """Return whether a footprint is inside the room and clear of all else."""
+        """Return whether a footprint is in the room and clear of all other things and cameras."""
         clearance = CAMERA_CLEARANCE[1] if height > 1.1 else CAMERA_CLEARANCE[0]
         return (
             self.free.contains(footprint)
@@ -137,10 +137,10 @@ def furnish_room(
     *,
     random_room: bool = False,
 ) -> None:
-    """Add furniture, rugs and pictures; nothing stands in a wall, a doorway or a camera.
+    """Add furniture, rugs and pictures, clear of walls, doorways and cameras.
 
-    `cameras` are positions (x, z) in metres that stay clear. A `random_room` gets what
-    :mod:`.randomised` strews about as well.
+    `cameras` are positions (x, z) in metres. A `random_room` also gets the things of
+    :mod:`.randomised`.
     """
     if not faces:
         return
@@ -164,7 +164,7 @@ def furnish_room(
 
 
 def draw_count(rng: np.random.Generator, mean: float) -> int:
-    """Return a whole number with that mean, one of the two next to it."""
+    """Return a random integer next to `mean` whose expected value is `mean`."""
     return int(mean + rng.random())
 
 
@@ -183,7 +183,7 @@ def add_piece(geometry: Geometry, piece: Piece, matrix: Array) -> None:
 def place_along_wall(
     geometry: Geometry, layout: Layout, piece: Piece, rng: np.random.Generator
 ) -> bool:
-    """Place a piece with its back to a wall; returns whether a place was found."""
+    """Place a piece with its back to a wall; return whether a place was found."""
     lengths = np.array([max(face.length, 0.0) for face in layout.faces])
     for _ in range(TRIES):
         index = int(rng.choice(len(lengths), p=lengths / lengths.sum()))
@@ -205,7 +205,7 @@ def place_along_wall(
 
 
 def place_free(geometry: Geometry, layout: Layout, piece: Piece, rng: np.random.Generator) -> bool:
-    """Place a piece in the room, square to the walls or nearly."""
+    """Place a piece in the room, nearly parallel to the walls; return whether it fits."""
     x0, z0, x1, z1 = layout.free.bounds
     face = layout.faces[0]
     square = float(np.arctan2(*face.plane.normal))
@@ -224,7 +224,7 @@ def place_free(geometry: Geometry, layout: Layout, piece: Piece, rng: np.random.
 
 
 def _add_rug(geometry: Geometry, layout: Layout, rng: np.random.Generator) -> None:
-    """Add a flat rug, under furniture where there is some."""
+    """Add a flat rug; it may lie under furniture."""
     x0, z0, x1, z1 = layout.free.bounds
     name = str(rng.choice([*RUGS, *FABRICS]))
     for _ in range(TRIES):

@@ -1,4 +1,4 @@
-"""Triangles with what the tracer and the truth need: material, colour, label and plane."""
+"""Triangle meshes with the attributes for rendering and truth: material, colour, label, plane."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Colour = tuple[float, float, float]  #: linear RGB in [0, 1]
 
 @dataclass(frozen=True)
 class Solid:
-    """A triangle mesh in some frame, metres."""
+    """A triangle mesh in metres, in any frame."""
 
     vertices: Array  #: (n, 3)
     normals: Array  #: (n, 3), per vertex; flat faces have their own vertices
@@ -37,7 +37,7 @@ class Solid:
 
 @dataclass(frozen=True)
 class JoinedGroup:
-    """One mesh per material: a solid and, per face, colour (m, 3), label (m,), plane (m,)."""
+    """The mesh of one material, with colour (m, 3), label (m,) and plane (m,) of each face."""
 
     solid: Solid
     colours: Array
@@ -60,7 +60,7 @@ class Geometry:
         label: int = OTHER,
         plane: int = NO_PLANE,
     ) -> None:
-        """Add a solid; `colour` counts only for materials that take their colour per face."""
+        """Add a solid; `colour` is used only by materials with a colour per face."""
         self._parts.setdefault(material, []).append((solid, colour, label, plane))
 
     def joined(self) -> dict[str, JoinedGroup]:
@@ -135,9 +135,9 @@ def superquadric(
     roundness: tuple[float, float] = (1.0, 1.0),
     steps: tuple[int, int] = (8, 16),
 ) -> Solid:
-    """Return a superellipsoid: roundness 1 an ellipsoid, towards 0 a box with rounded edges.
+    """Return a superellipsoid: with roundness 1 an ellipsoid, near 0 a box with rounded edges.
 
-    `roundness` is (vertical, horizontal) exponents of Barr (1981), `steps` (rows, columns).
+    `roundness` is the (vertical, horizontal) exponents of Barr (1981), `steps` is (rows, columns).
     """
     rows, columns = steps
     eta = np.linspace(-np.pi / 2, np.pi / 2, rows + 1)
@@ -172,7 +172,7 @@ def superquadric(
 def lathe(
     centre: Sequence[float], profile: Sequence[tuple[float, float]], steps: int = 20
 ) -> Solid:
-    """Return the surface of revolution of (radius, height) pairs from bottom to top about y."""
+    """Return the surface of revolution about y of (radius, height) pairs, from bottom to top."""
     radius, height = np.array(profile, float).T
     omega = np.linspace(0, 2 * np.pi, steps + 1)
     parts = []

@@ -1,6 +1,6 @@
-"""What fills a photo from side to side: worktops, long tables, racks of goods, walls of cupboards.
+"""Furniture that fills a whole photo: worktops, long tables, racks of goods, walls of cupboards.
 
-Seen from near, tops pass for floors and full shelves for walls; training rooms have many of both.
+From near, tops look like floors and full shelves like walls, so training rooms have many of both.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from plan2scene_workshop.rendering.pieces import (
     soft,
 )
 
-#: How often each kind of thing lies on a top, in the order of :func:`_thing`.
+#: Probability of each kind of thing on a top, in the order of :func:`_thing`.
 _THINGS = (0.24, 0.24, 0.2, 0.14, 0.06, 0.12)
 PAPER: Colour = (0.8, 0.8, 0.78)
 _Range = tuple[float, float]
@@ -144,7 +144,7 @@ def _oven(piece: Piece, rng: np.random.Generator, x: _Range, top: float, z: floa
 def _fronts(
     piece: Piece, rng: np.random.Generator, look: Look, x: _Range, y: _Range, z: float
 ) -> None:
-    """Add doors or drawers before a carcass's front at depth `z`, at times with a sunk panel."""
+    """Add doors or drawers in front of a cupboard at depth `z`, sometimes with a sunk panel."""
     columns = max(1, round((x[1] - x[0]) / rng.uniform(0.35, 0.6)))
     rows = 1 if y[1] - y[0] > 1.2 or rng.random() < 0.6 else int(rng.integers(2, 4))
     dark = (look[1][0] * 0.3, look[1][1] * 0.3, look[1][2] * 0.3)
@@ -191,7 +191,7 @@ def rack(rng: np.random.Generator, palette: Palette, height: float) -> Piece:
 def _row(
     piece: Piece, rng: np.random.Generator, palette: Palette, y: float, room: float, *, books: bool
 ) -> None:
-    """Fill a shelf: books, or runs of equal goods."""
+    """Fill one shelf with books, or with groups of equal goods."""
     x, end, colours = -piece.width / 2 + 0.03, piece.width / 2 - 0.03, palette.accents
     while x < end - 0.02:
         wide = rng.uniform(0.03, 0.06) if books else rng.uniform(0.06, 0.3)
@@ -238,7 +238,7 @@ def board(rng: np.random.Generator, palette: Palette) -> Piece:
 
 
 def seat_rows(rng: np.random.Generator, table: Piece | None, seat: Piece) -> Piece:
-    """Return rows of one kind of chair, with a kind of table before each where one is given."""
+    """Return rows of equal chairs, with equal tables in front of them if `table` is given."""
     columns, rows = int(rng.integers(2, 5)), int(rng.integers(1, 4))
     wide = max(seat.width + rng.uniform(0.05, 0.3), table.width / 2 if table else 0.0)
     deep = seat.depth + rng.uniform(0.25, 0.6) + (table.depth if table else 0.0)

@@ -1,7 +1,7 @@
-"""Rooms as people live in them: full of models and procedural pieces, clutter, rugs, pictures.
+"""Fills rooms with models and procedural furniture, clutter, rugs and pictures.
 
-Furniture for training photos (:mod:`.snapshots`), and for listings' where there are models;
-else listings have :mod:`.furniture`.
+It furnishes training photos (:mod:`.snapshots`), and listing photos if there are models; otherwise
+:mod:`.furniture` furnishes listing photos.
 """
 
 from __future__ import annotations
@@ -34,33 +34,33 @@ from plan2scene_workshop.rendering.palette import Palette, pick
 from plan2scene_workshop.rendering.pieces import Piece
 from plan2scene_workshop.rendering.shell import WallFace
 
-#: Emitting material of lit lamps.
+#: Name of the emitting material of shining lamps.
 GLOW = "glow"
-#: Chance that a class is drawn from the models where both are there.
+#: Probability that a piece is a model if its class also has a procedural maker.
 _MODEL_SHARE = 0.75
 _TOPS = {"table", "desk", "cabinet", "nightstand", "coffee table"}
 
 
 @dataclass(frozen=True)
 class RoomStyle:
-    """How one room is filled; names are those of finishes."""
+    """How one room is filled; the tuples hold names of finishes."""
 
     crowd: float  #: factor on the counts of furniture
-    clutter: float  #: factor on small things and what hangs on the walls
-    kind: str | None  #: instead of the room's type
-    skins: tuple[str, ...]  #: textures laid over models; none: as they are
-    bedding: tuple[str, ...]  #: of beds
-    fabrics: tuple[str, ...]  #: of rugs
-    pictures: tuple[str, ...]
+    clutter: float  #: factor on the counts of small things and of things on walls
+    kind: str | None  #: room type to furnish instead of the room's own; None: the room's own
+    skins: tuple[str, ...]  #: textures laid over models; empty: models keep their looks
+    bedding: tuple[str, ...]  #: finishes of beds
+    fabrics: tuple[str, ...]  #: finishes of rugs
+    pictures: tuple[str, ...]  #: finishes of pictures
     lit: float  #: share of standing lamps that shine
-    tops: tuple[str, ...] = ()  #: of worktops and tables; none: there are none of :mod:`.goods`
-    bulk: str = ""  #: one of :data:`.inventory.BULK`, or nothing
+    tops: tuple[str, ...] = ()  #: finishes of worktops and tables; empty: no bulk, no boards
+    bulk: str = ""  #: furniture that fills the room, one of :data:`.inventory.BULK`, or none
     rugs: float = 1.0  #: factor on the count of rugs
-    built_in: float | None = None  #: factor on the counts of what is built in; None: `crowd`
+    built_in: float | None = None  #: factor on the counts of built-in furniture; None: `crowd`
 
 
 class Furnisher:
-    """Fills rooms of one scene."""
+    """Furnishes the rooms of one scene."""
 
     def __init__(self, shop: ModelShop, palette: Palette, style: RoomStyle) -> None:
         self.shop, self.palette, self.style = shop, palette, style
@@ -73,9 +73,9 @@ class Furnisher:
         rng: np.random.Generator,
         cameras: Sequence[shapely.Point] = (),
     ) -> None:
-        """Add furniture, clutter, rugs and pictures; nothing stands in a wall, a doorway or a lens.
+        """Add furniture, clutter, rugs and pictures, clear of walls, doorways and cameras.
 
-        `cameras` as of :class:`.furniture.Layout`.
+        `cameras` are positions (x, z) in metres.
         """
         if not faces:
             return
@@ -102,7 +102,7 @@ class Furnisher:
     def _fill(
         self, geometry: Geometry, layout: Layout, rng: np.random.Generator, scale: float
     ) -> None:
-        """Add what the room is full of, and boards on the walls."""
+        """Add the bulk furniture of the style, and boards on the walls."""
         bulk = self.style.bulk
         count = draw_count(rng, rng.uniform(1.5, 4.0) * scale) if bulk else 0
         for _ in range(count):
@@ -199,7 +199,7 @@ class Furnisher:
         return pieces.cabinet(rng, self.palette, size, look)
 
     def _dining_set(self, rng: np.random.Generator) -> Piece:
-        """Return a table with chairs of one model around it."""
+        """Return a table with chairs of one model on two sides."""
         skins = self.style.skins if rng.random() < 0.4 else ()
         table = self.shop.piece(rng, "table", mounts=("floor",), skins=skins)
         state = rng.integers(2**32)
@@ -223,7 +223,7 @@ class Furnisher:
         return whole
 
     def _add_rug(self, geometry: Geometry, layout: Layout, rng: np.random.Generator) -> None:
-        """Lay a rug or a carpet on the floor, at times nearly as large as the room."""
+        """Lay a rug or a carpet on the floor, sometimes nearly as large as the room."""
         x0, z0, x1, z1 = layout.free.bounds
         if rng.random() < 0.3 and self.shop.has("rug"):
             piece = self.shop.piece(rng, "rug", mounts=("floor",))
@@ -245,7 +245,7 @@ class Furnisher:
     def _hang(
         self, geometry: Geometry, layout: Layout, rng: np.random.Generator, *, kitchen: bool
     ) -> None:
-        """Hang a picture, poster, clock, screen or cupboard on a free piece of wall."""
+        """Hang a picture, mirror, screen, small thing or cupboard on a free part of a wall."""
         piece, bottom = self._hanging(rng, kitchen=kitchen)
         self._hang_up(geometry, layout, rng, piece, bottom)
 
@@ -257,7 +257,7 @@ class Furnisher:
         piece: Piece,
         bottom: float,
     ) -> None:
-        """Hang a piece on a free piece of wall, its lower edge at `bottom`."""
+        """Hang a piece on a free part of a wall, with its lower edge at height `bottom`."""
         for _ in range(TRIES // 2):
             index = int(rng.integers(len(layout.faces)))
             face, half = layout.faces[index], piece.width / 2
@@ -271,7 +271,7 @@ class Furnisher:
                 return
 
     def _hanging(self, rng: np.random.Generator, *, kitchen: bool) -> tuple[Piece, float]:
-        """Return what hangs and the height of its lower edge."""
+        """Return a piece to hang on a wall, and the height of its lower edge."""
         kinds = ["kitchen", "appliance"] if kitchen else ["picture", "small", "mirror", "tv"]
         if rng.random() < (0.6 if kitchen else 0.3):
             piece = self.shop.piece(rng, str(rng.choice(kinds)), mounts=("wall",))
@@ -290,7 +290,7 @@ class Furnisher:
     def _hang_lamp(
         self, geometry: Geometry, layout: Layout, room: Room, rng: np.random.Generator
     ) -> None:
-        """Hang a lamp model from the ceiling."""
+        """Hang a lamp model from the ceiling in some rooms."""
         lamp = self.shop.piece(rng, "lamp", mounts=("ceiling",))
         if lamp is None or rng.random() < 0.6 or lamp.height > room.height - 1.5:
             return

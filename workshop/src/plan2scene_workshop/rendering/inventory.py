@@ -1,4 +1,4 @@
-"""What rooms of training photos hold: classes of furniture by room type, and their makers."""
+"""The furniture of rooms in training photos: classes by room type, and their makers."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from plan2scene_workshop.rendering import living, pieces, randomised, service
 from plan2scene_workshop.rendering.pieces import Maker
 
 _KITCHEN = ("kitchen", 2.2), ("fitted kitchen", 0.9), ("appliance", 1.2), ("tall unit", 0.5)
-#: Per room type: classes along walls and standing free, with the mean count of each.
+#: For each room type: classes along walls and free-standing classes, with the mean count of each.
 ALONG_WALLS: Mapping[str, Sequence[tuple[str, float]]] = {
     "Reception": (
         *(("sofa", 1.4), ("tv", 0.8), ("shelf", 1.2), ("cabinet", 1.0), ("plant", 1.0)),
@@ -48,11 +48,11 @@ STANDING_FREE: Mapping[str, Sequence[tuple[str, float]]] = {
     "Outdoor": (("dining set", 0.6), ("chair", 0.6)),
     "Office": (("dining set", 1.2), ("chair", 2.5), ("table", 1.0), ("small", 1.0), ("papers", 1)),
 }
-#: What some rooms are full of: racks of goods, worktops, tables, rows of seats, cupboards, beds.
+#: Kinds of furniture of which some rooms are full ("rows" are rows of seats).
 BULK = ("racks", "counters", "tables", "rows", "cupboards", "beds")
-#: What stays when people move out.
+#: Classes that stay in a room after people moved out.
 BUILT_IN = ("kitchen", "fitted kitchen", "sanitary", "fireplace")
-#: Makers of classes that a folder of models lacks, and now and then beside them.
+#: Procedural makers of classes, used where the folder of models lacks one, and sometimes otherwise.
 MAKERS: Mapping[str, Sequence[Maker]] = {
     "sofa": (living.sofa,),
     "bed": (living.bed,),

@@ -1,4 +1,4 @@
-"""Light of a scene: the view outside the windows, lamps, their colours and strengths."""
+"""Light of a scene: the view outside the windows, and lamps with their colours and strengths."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from plan2scene_workshop.rendering.geometry import (
 )
 from plan2scene_workshop.rendering.tracer import Finish
 
-#: Daylight: radiance of the windows per floor area / window area, and its range. A room lit
-#: so, or by its lamps at full strength, has white walls of radiance about 1.
+#: Daylight: radiance of the windows per (floor area / window area), and its range. With it, or
+#: with lamps at full strength, white walls of a room have a radiance of about 1.
 DAY_PER_AREA = 2.2
 DAY_RADIANCE = (5.0, 60.0)
 #: Elevation of the panorama's first row, radians.
@@ -36,7 +36,7 @@ class LightPlan:
     """Light of a photographed room; colours are linear RGB of mean 1."""
 
     sky: float  #: radiance of the windows
-    lamps: float  #: strength of the lamps; 1 lights a room well alone
+    lamps: float  #: strength of the lamps; 1 is enough without windows
     sky_colour: tuple[float, float, float]
     lamp_colour: tuple[float, float, float]
 
@@ -64,10 +64,10 @@ def black_body(kelvin: float) -> tuple[float, float, float]:
 
 
 def draw_light(rng: np.random.Generator, floor: float, windows: float) -> LightPlan:
-    """Draw the light: by day, by day with lamps, or in the evening; lamps where no window is.
+    """Draw the light: by day, by day with lamps, or in the evening; lamps if there is no window.
 
-    `floor` and `windows` are areas in square metres. A photographer exposes for the room: the
-    smaller its windows, the brighter they appear.
+    `floor` and `windows` are areas in square metres. A photographer exposes for the room, so
+    smaller windows appear brighter.
     """
     day = float(np.clip(DAY_PER_AREA * floor / max(windows, 0.1), *DAY_RADIANCE))
     lamp_colour = black_body(float(rng.uniform(2700, 5000)))
@@ -83,10 +83,10 @@ def draw_light(rng: np.random.Generator, floor: float, windows: float) -> LightP
 
 
 def view_outside(rng: np.random.Generator) -> NDArray[np.float32]:
-    """Return what lies outside: a blurred panorama (256, 1024, 3) of linear RGB, sky about 1.
+    """Return the view outside: a blurred panorama (256, 1024, 3) of linear RGB, sky about 1.
 
-    Columns are headings over the full turn, rows elevations from :data:`PANORAMA_TOP` down to
-    its negative; sky above, trees and houses on the horizon, ground below.
+    Columns are headings over 360 degrees, rows are elevations from :data:`PANORAMA_TOP` down to
+    its negative. It shows sky above, trees and houses on the horizon, ground below.
     """
     height, width = 256, 1024
     y = np.linspace(0, 1, height)[:, None, None]
@@ -115,11 +115,11 @@ def add_balcony(
     wall: NDArray[np.uint8],
     rng: np.random.Generator,
 ) -> NDArray[np.float32]:
-    """Return a panorama with a floor below and a parapet or bars around, of albedo tiles."""
+    """Return a panorama with a balcony in front: floor and parapet or bars, of albedo tiles."""
     rows, columns = panorama.shape[:2]
     elevation = PANORAMA_TOP * (1 - 2 * np.arange(rows)[:, None] / (rows - 1))
     heading = 2 * np.pi * np.arange(columns)[None] / columns
-    # A square about the camera: what is `far` from it straight ahead is farther at the corners.
+    # The balcony is a square about the camera: its edge is `far` away, its corners are farther.
     far, eye, high = rng.uniform(1.2, 3.5), 1.4, rng.uniform(0.8, 1.3)
     reach = far / np.maximum(np.abs(np.cos(heading)), np.abs(np.sin(heading)))
     along = reach * np.sin(heading - np.pi / 2 * np.round(heading / (np.pi / 2)))
@@ -135,7 +135,7 @@ def add_balcony(
 
 
 def _tiled(tile: NDArray[np.uint8], x: NDArray[np.float64], y: NDArray[np.float64]) -> Any:
-    """Return a tile's linear colours at places in metres, as daylight shows them."""
+    """Return a tile's linear colours in daylight, at points in metres; the tile is 1 m wide."""
     size = tile.shape[0]
     i, j = ((np.asarray(at) * size).astype(int) % size for at in (y, x))
     return 0.8 * (tile[i, j % tile.shape[1]] / 255.0) ** 2.2
@@ -161,7 +161,7 @@ def look_outside(
 
 
 def sky_finish(plan: LightPlan) -> Finish:
-    """Return the even emitter that fills the windows (the view is put in afterwards)."""
+    """Return the uniform emitter that fills the windows (the view is multiplied in afterwards)."""
     return Finish(emission=plan.sky, light=plan.sky_colour)
 
 
@@ -175,7 +175,7 @@ def lamp_finish(plan: LightPlan, room: Room, area: float) -> Finish:
 
 
 def add_lamps(geometry: Geometry, room: Room, material: str, rng: np.random.Generator) -> float:
-    """Add ceiling lamps of one kind; returns their emitting area in square metres."""
+    """Add ceiling lamps of one kind; return their emitting area in square metres."""
     polygon = room_polygon(room)
     spots = _spots(polygon, 1 if polygon.area < 14 else 2)
     kind = rng.choice(["dome", "disc", "pendant", "downlights", "panel"])
@@ -193,7 +193,7 @@ def add_lamps(geometry: Geometry, room: Room, material: str, rng: np.random.Gene
 def _lamp(
     geometry: Geometry, kind: str, x: float, ceiling: float, z: float, rng: np.random.Generator
 ) -> Solid:
-    """Add the holder of a lamp and return what shines."""
+    """Add the holder of a lamp and return its emitting solid."""
     white = (0.8, 0.8, 0.8)
     if kind == "dome":
         radius = rng.uniform(0.14, 0.22)

@@ -1,4 +1,4 @@
-"""Ceilings and walls that are not plain: beams, slopes, lamp panels, panelling; office grids."""
+"""Ceilings and walls that are not plain: beams, slopes, lamp panels, panelling, office grids."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Tile = NDArray[np.uint8]
 
 
 def grid_ceiling(rng: np.random.Generator) -> Material:
-    """Return the tiles of an office ceiling: speckled plates in a grid of bars."""
+    """Return the material of an office ceiling: speckled plates in a grid of bars."""
     size, bar = 96, int(rng.integers(2, 5))
     image = np.full((size, size, 3), rng.uniform(150, 245)) + rng.normal(0, 5, 3)
     image[rng.random((size, size)) < rng.uniform(0, 0.2)] *= rng.uniform(0.4, 0.95)
@@ -34,7 +34,7 @@ def grid_ceiling(rng: np.random.Generator) -> Material:
 
 
 def granite(rng: np.random.Generator) -> Tile:
-    """Return polished stone: grains of four sizes, mostly grey, black or brown."""
+    """Return a tile of polished stone with grains of four sizes, mostly grey, black or brown."""
     size, strong = 256, 0.5 if rng.random() < 0.2 else 0.15
     hue, other = rng.random(2) if strong > 0.3 else rng.uniform(0.03, 0.12, 2)
     plain = linear(hue, rng.uniform(0, strong), rng.uniform(0.15, 0.95))
@@ -50,7 +50,7 @@ def granite(rng: np.random.Generator) -> Tile:
 
 
 def panels(rng: np.random.Generator, base: Tile | None) -> Tile:
-    """Return boards side by side, of a wood's tile or painted."""
+    """Return a tile of boards side by side, from the wood tile `base`, or painted."""
     size, count = 128, int(rng.choice([1, 2, 4, 8]))
     if base is None:
         colour = (
@@ -75,9 +75,10 @@ def line_room(
     glow: str,
     panelling: str,
 ) -> None:
-    """Add beams, a slope, lamp panels or panelling to a room, at times; labelled what they line.
+    """Add beams, a slope, lamp panels or panelling to some rooms.
 
-    `glow` is the emitting material of the panels, `panelling` that of boards.
+    All but lamp panels have the label of the surface behind them. `glow` is the emitting material
+    of lamp panels, `panelling` that of boards.
     """
     polygon = room_polygon(room)
     inside = polygon.buffer(-0.06, join_style="mitre")
@@ -103,7 +104,7 @@ def _beams(
     material: str,
     colour: Colour,
 ) -> None:
-    """Add beams one way or, as coffers, both ways."""
+    """Add beams in one direction, or in both as coffers."""
     deep, wide, step = rng.uniform(0.05, 0.25), rng.uniform(0.06, 0.25), rng.uniform(0.5, 1.3)
     material = material if rng.random() < 0.6 else "paint"
     x0, z0, x1, z1 = inside.bounds
@@ -122,7 +123,7 @@ def _beams(
 def _slope(
     geometry: Geometry, room: Room, faces: tuple[WallFace, ...], rng: np.random.Generator
 ) -> None:
-    """Add the slope of a roof over a wall without openings."""
+    """Add the slope of a roof above a wall without openings."""
     plain = [face for face in faces if not face.openings and face.length > 1.5]
     if not plain:
         return
@@ -149,7 +150,7 @@ def _lamp_panels(
     rng: np.random.Generator,
     material: str,
 ) -> None:
-    """Add shining panels or round lamps in rows to the ceiling; they are no ceiling."""
+    """Add panels or small square lamps in rows to the ceiling; their label is other."""
     a, b = (0.6, float(rng.choice([0.15, 0.3, 0.6, 1.2])))
     a, b = (a, b) if rng.random() < 0.5 else (b, a)
     if rng.random() < 0.35:
@@ -170,7 +171,7 @@ def _panelling(
     material: str,
     colour: Colour,
 ) -> None:
-    """Add boards before the walls, to the height of a table or a man or the ceiling."""
+    """Add boards in front of the walls, up to .7-1.3 m, 1.3-2 m, or the ceiling."""
     top = float(rng.choice([rng.uniform(0.7, 1.3), rng.uniform(1.3, 2.0), 9.0]))
     for face in faces:
         high = min(top, face.height - 0.002)
@@ -186,7 +187,7 @@ def _panelling(
 
 
 def _rectangles(region: shapely.Geometry) -> list[tuple[float, float, float, float]]:
-    """Return upright strips (x0, y0, x1, y1) that make up a region of right angles."""
+    """Return a region with right angles as vertical strips (x0, y0, x1, y1)."""
     corners = shapely.get_coordinates(region)
     if not len(corners):
         return []

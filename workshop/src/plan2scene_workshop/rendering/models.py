@@ -1,4 +1,4 @@
-"""Furniture from a folder of GLB models with an index: read, thinned, kept, made into pieces.
+"""Furniture from a folder of GLB models with an index: they are read, simplified and cached.
 
 The folder holds `index.csv` with the columns file, class, width, depth, height (metres), mount
 (floor, wall, ceiling or table). Models are in metres, y up, front +z, origin at the floor's centre.
@@ -24,7 +24,7 @@ from plan2scene_workshop.rendering.pieces import Piece
 from plan2scene_workshop.rendering.tracer import Finish
 
 MOUNTS = ("floor", "wall", "ceiling", "table")
-#: Limits of what is kept of a model.
+#: Limits of a model: faces and texture side are reduced to them; more bytes or metres are refused.
 MAX_FACES, MAX_TEXTURE_PX, MAX_BYTES, MAX_METRES = 9000, 256, 64 * 2**20, 6.0
 _COLUMNS = ("file", "class", "mount", "width", "depth", "height")
 
@@ -42,17 +42,17 @@ class ModelEntry:
 
 @dataclass(frozen=True, eq=False)
 class ModelPart:
-    """A mesh of one look."""
+    """A mesh with one texture or colour."""
 
     solid: Solid  #: UVs in tiles, v down
     tile: NDArray[np.uint8] | None
-    colour: Colour  #: linear; of a part without a tile
+    colour: Colour  #: linear; used if there is no tile
 
 
 def read_model_index(folder: str | Path, *, train: bool) -> dict[str, list[ModelEntry]]:
-    """Return the models of a folder by class: those of the train split or the others.
+    """Return the models of a folder by class, those of the train split or of the other splits.
 
-    InputError when the index lacks a column or has a bad row.
+    InputError if the index lacks a column or has a bad row.
     """
     index = index_path(folder)
     entries = [_entry(index.parent, row, index) for row in read_index(folder, "models", _COLUMNS)]
@@ -77,7 +77,7 @@ def _entry(folder: Path, row: Mapping[str, str], index: Path) -> ModelEntry:
 
 @lru_cache(maxsize=1024)
 def load_model(file: Path) -> tuple[ModelPart, ...]:
-    """Return the parts of a GLB file, thinned to :data:`MAX_FACES`; InputError for a bad one."""
+    """Return the parts of a GLB file, simplified to :data:`MAX_FACES`; InputError if it is bad."""
     import trimesh
 
     try:
@@ -91,7 +91,7 @@ def load_model(file: Path) -> tuple[ModelPart, ...]:
         ]
     except InputError:
         raise
-    except Exception as error:  # a reader of foreign bytes: whatever it raises
+    except Exception as error:  # a reader of unknown files may raise anything
         raise InputError("a GLB model", f"{type(error).__name__}: {error}", file=file) from error
     meshes = [(m, t) for m, t in meshes if isinstance(m, trimesh.Trimesh) and len(m.faces)]
     total = sum(len(mesh.faces) for mesh, _ in meshes)
@@ -143,10 +143,10 @@ def _look(material: Any) -> tuple[NDArray[np.uint8] | None, Colour]:
 
 
 def thinned(solid: Solid, limit: int) -> Solid:
-    """Return the solid with vertices of one cell of a grid joined, at most `limit` faces.
+    """Return the solid, simplified by vertex clustering on a grid to at most `limit` faces.
 
-    The grid gets coarser until that holds; a cell keeps its first vertex and faces turned away
-    from one another stay apart.
+    The grid gets coarser until that holds. Of the vertices of a cell with normals in the same
+    octant, only the first is kept.
     """
     low = solid.vertices.min(0)
     size = float((solid.vertices.max(0) - low).max())
@@ -173,14 +173,14 @@ def thinned(solid: Solid, limit: int) -> Solid:
 
 
 class ModelShop:
-    """The models that one scene draws from, and the finishes of those it took."""
+    """The models that a scene can use, and the finishes of the models that it uses."""
 
     def __init__(self, index: Mapping[str, list[ModelEntry]]) -> None:
         self._index = index
         self.finishes: dict[str, Finish] = {}
 
     def has(self, kind: str, mounts: Collection[str] = MOUNTS) -> bool:
-        """Return whether a model of that class is there."""
+        """Return whether there is a model of a class."""
         return any(entry.mount in mounts for entry in self._index.get(kind, ()))
 
     def piece(
@@ -191,10 +191,10 @@ class ModelShop:
         mounts: Collection[str] = MOUNTS,
         skins: Collection[str] = (),
     ) -> Piece | None:
-        """Return a model of a class as a piece, its back at z = 0; None where there is none.
+        """Return a model of a class as a piece with its back at z = 0; None if there is none.
 
-        It is scaled a little. With `skins` (material names) its parts get other looks: a texture
-        laid over them in metres, or another colour.
+        It is rescaled slightly. With `skins` (material names) most of its parts get one of these
+        finishes with UVs in metres, and a random colour.
         """
         entries = [e for e in self._index.get(kind, ()) if e.mount in mounts]
         if not entries:
@@ -220,7 +220,7 @@ class ModelShop:
 
 
 def laid_over(solid: Solid) -> Solid:
-    """Return the solid with UVs in metres, seen along the main axis of each vertex's normal."""
+    """Return the solid with UVs in metres, projected along the main axis of each normal."""
     axis = np.abs(solid.normals).argmax(1)
     u = np.where(axis == 0, solid.vertices[:, 2], solid.vertices[:, 0])
     v = np.where(axis == 1, solid.vertices[:, 2], -solid.vertices[:, 1])

@@ -1,4 +1,4 @@
-"""Colours and textures of what stands in a house and is no part of its surfaces."""
+"""Colours and textures of furniture, joinery and pictures in a house."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from plan2scene.seeds import derive_seed, generator
 from plan2scene_workshop.rendering.geometry import Colour
 from plan2scene_workshop.rendering.tracer import Finish
 
-#: Names of the textured finishes that every house has, by how they are used.
+#: Names of the textured finishes that every house has, by use.
 WOODS = ("wood0", "wood1")
 FABRICS = ("fabric0", "fabric1", "fabric2")
 STONES = ("stone0",)
@@ -35,7 +35,7 @@ class Palette:
 
 
 def linear(hue: float, saturation: float, value: float) -> Colour:
-    """Return linear RGB of an HSV colour whose value is perceptual (sRGB)."""
+    """Return linear RGB (by gamma 2.2) of an HSV colour."""
     red, green, blue = colorsys.hsv_to_rgb(hue % 1.0, saturation, value)
     return (red**2.2, green**2.2, blue**2.2)
 
@@ -79,10 +79,9 @@ def draw_palette(rng: np.random.Generator) -> Palette:
 
 
 def clutter_finishes(house_id: str, seed: int) -> dict[str, Finish]:
-    """Return the textured finishes of furniture, rugs and pictures, and the plain ones.
+    """Return the textured finishes of furniture, rugs and pictures, and the plain finishes.
 
-    `paint`, `gloss` and `fabric` take their colour per face; `metal` is bare metal, `mirror` a
-    mirror.
+    `paint`, `gloss` and `fabric` have a colour per face; `metal` and `mirror` are metallic.
     """
     finishes = {
         "paint": Finish(roughness=0.5),

@@ -30,7 +30,7 @@ from plan2scene_workshop.rendering.shell import Plane
 from plan2scene_workshop.rendering.tracer import Buffers, Tracer, Truth, load_mitsuba
 from plan2scene_workshop.rendering.views import View
 
-#: Samples per pixel of the full-size guide (albedo, normals): edges and textures.
+#: Samples per pixel of the full-size guide (albedo and emitters), for edges and textures.
 GUIDE_SAMPLES = 10
 
 
@@ -59,14 +59,14 @@ def render_house(
     random_rooms: Collection[str] = (),
     decor: Decor | None = None,
 ) -> Iterator[RenderedPhoto]:
-    """Yield a photo per view, in order; consecutive views of a room share its scene.
+    """Yield a photo for each view, in order; consecutive views of a room share its scene.
 
     Parameters
     ----------
     materials : mapping
         Material of every surface of the rooms in sight.
     accents : mapping
-        Material of single walls: by `room id/wall id`, or by wall id for both of its sides.
+        Material of single walls: by `room id/wall id`, or by wall id for both sides of a wall.
     samples_per_pixel : int
         Light paths per pixel of the half-size light image (see :mod:`.denoise`).
     variant : str, optional
@@ -76,7 +76,7 @@ def render_house(
     decor : Decor, optional
         Furniture, textiles, light and view outside; by default those of :mod:`.furniture`.
 
-    InputError when Mitsuba is missing, or a surface in sight has no material.
+    InputError if Mitsuba is missing, or a surface in sight has no material.
     """
     mi = load_mitsuba(variant)
     for room_id, group in itertools.groupby(views, key=lambda view: view.room_id):
@@ -109,7 +109,7 @@ def _shoot(
 
 
 def _outside(scene: RoomScene, hits: Truth, view: View) -> NDArray[np.float32]:
-    """Return what the view outside does to the windows' light (h, w, 3), 1 elsewhere."""
+    """Return the factor (h, w, 3) of the view outside on the windows' light, 1 elsewhere."""
     windows = np.isin(hits.materials, SKY)
     near = cv2.dilate(windows.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
     seen = look_outside(scene.outside, hits.position, view.position)
@@ -117,7 +117,7 @@ def _outside(scene: RoomScene, hits: Truth, view: View) -> NDArray[np.float32]:
 
 
 def light_at(small: Buffers, small_hits: Truth, guide: Buffers, hits: Truth) -> NDArray[np.float32]:
-    """Return light (radiance / albedo) at the guide's size from noisy light at half its size."""
+    """Return denoised light (radiance / albedo) at the guide's size, from half-size `small`."""
     height, width = small.albedo.shape[:2]
     emitted = cv2.resize(guide.radiance, (width, height), interpolation=cv2.INTER_AREA)
     light, lit = demodulate(np.maximum(small.radiance - emitted, 0), small.albedo)
@@ -127,7 +127,7 @@ def light_at(small: Buffers, small_hits: Truth, guide: Buffers, hits: Truth) -> 
 
 
 def camera_record(view: View, size: tuple[int, int], planes: Sequence[Plane]) -> dict[str, Any]:
-    """Return the truth of a camera as in ``cameras.json``."""
+    """Return the true camera in the format of ``cameras.json``."""
     camera = view.camera(size)
     return {
         "width": camera.width,

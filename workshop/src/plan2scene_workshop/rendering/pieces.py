@@ -84,7 +84,7 @@ def cabinet(
     size: tuple[float, float, float],
     look: Look | None = None,
 ) -> Piece:
-    """Return a box of doors or drawers with gaps between them and handles."""
+    """Return a box with doors or drawers, gaps between them, and handles."""
     width, depth, height = size
     look = look or hard(rng, palette)
     piece = Piece(width, depth, height)
@@ -142,7 +142,7 @@ def scatter(piece: Piece, rng: np.random.Generator, palette: Palette, y: float, 
 
 
 def table(rng: np.random.Generator, palette: Palette, size: tuple[float, float, float]) -> Piece:
-    """Return a table of (width, depth, height) on four legs or a foot."""
+    """Return a table of size (width, depth, height) on four legs or one foot."""
     piece = Piece(*size)
     look = hard(rng, palette)
     leg = look if rng.random() < 0.5 else METAL

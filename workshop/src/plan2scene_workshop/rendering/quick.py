@@ -1,8 +1,8 @@
-"""Many views of a scene quickly: one mesh, light by paths over mean colours, textures looked up.
+"""Renders many views of a scene quickly.
 
-Where :mod:`.tracer` traces every texture and finish, here all surfaces are one diffuse mesh of a
-colour per face, so that every scene runs the same compiled kernels. What the camera sees is cast
-separately, at full resolution: faces, normals, and colours from a texture atlas with mip levels.
+:mod:`.tracer` traces every texture and finish. Here, light is traced on one diffuse mesh with one
+mean colour per face, so that every scene runs the same compiled kernels. Camera rays are cast
+separately at full resolution, for faces, normals, and colours from a texture atlas with mip levels.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from plan2scene_workshop.rendering.tracer import Finish
 from plan2scene_workshop.rendering.views import View
 
 PATH_DEPTH, ROULETTE_DEPTH = 4, 3
-#: What an emitter that a scene lacks is: a speck far below it.
+#: The mesh in place of a missing emitter: a tiny triangle far below the scene.
 _DARK = Solid(
     np.array([[0, -90, 0], [0.01, -90, 0], [0, -90, 0.01]], float),
     np.tile([0.0, -1.0, 0.0], (3, 1)),
@@ -41,7 +41,7 @@ Image = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class Hits:
-    """What the ray through each pixel's centre hits; (h, w), (h, w, 3)."""
+    """The hit of the ray through each pixel's centre; arrays (h, w) or (h, w, 3)."""
 
     face: NDArray[np.int64]  #: index over all faces of the scene, -1 for none
     position: Image  #: in the world, metres; zero where nothing is hit
@@ -50,7 +50,10 @@ class Hits:
 
 
 class QuickTracer:
-    """A scene loaded once, seen from any number of cameras; needs a vectorised variant."""
+    """A scene, loaded once and rendered from any number of cameras.
+
+    It needs a vectorised Mitsuba variant.
+    """
 
     def __init__(self, geometry: Geometry, finishes: Mapping[str, Finish], mi: Any) -> None:
         self._mi = mi
@@ -76,7 +79,7 @@ class QuickTracer:
         )
 
     def _load(self, whole: Solid, rows: list[tuple[str, JoinedGroup, Finish]]) -> None:
-        """Keep corner attributes and the atlas as arrays of the renderer."""
+        """Store vertex and face attributes and the atlas as arrays of the renderer."""
         mi = self._mi
         self._corners = mi.UInt32(whole.faces.astype(np.uint32).ravel())
         self._normals = mi.Float(whole.normals.astype(np.float32).ravel())
@@ -107,14 +110,14 @@ class QuickTracer:
         return _mesh(mi, "e", solid, properties, None)
 
     def _first_faces(self, counts: list[int]) -> Any:
-        """Return the first face of each shape, by the renderer's number of the shape."""
+        """Return the index of the first face of each shape, by the renderer's shape number."""
         mi, dr = self._mi, self._dr
         first = np.cumsum([0, *counts])
         found = {}
         for k, shape in enumerate(self._scene.shapes()):
             number = int(dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape))[0])
             found[number] = int(first[min(k, len(first) - 1)])
-        table = np.zeros(256, np.uint32)  # of one size: the kernel stays
+        table = np.zeros(256, np.uint32)  # fixed size: one kernel fits all
         if max(found) >= len(table):
             raise RuntimeError("the renderer numbers shapes beyond 255")
         for number, start in found.items():
@@ -140,7 +143,7 @@ class QuickTracer:
         return mi.Ray3f(origin, ray)
 
     def _cast(self, rays: Any) -> tuple[Any, Any, Any, Any]:
-        """Return the hit, whether there is one, the face over all shapes, and its corners."""
+        """Return the hits, their validity, the faces (index over all shapes) and their corners."""
         mi, dr = self._mi, self._dr
         hit = self._scene.ray_intersect_preliminary(rays, coherent=True)
         valid = hit.is_valid()
@@ -172,7 +175,7 @@ class QuickTracer:
         return Hits(face_index, where, facing, depth)
 
     def mirrored(self, view: View, hits: Hits) -> NDArray[np.int64]:
-        """Return the face (h, w) that a mirror at each hit would show, -1 for none."""
+        """Return the face (h, w) that a mirror at each hit would show; -1: none."""
         mi = self._mi
         ray = hits.position - np.array(view.position, np.float32)
         ray /= np.maximum(np.linalg.norm(ray, axis=-1, keepdims=True), 1e-9)
@@ -184,7 +187,7 @@ class QuickTracer:
         return np.where(hits.face >= 0, number.reshape(hits.face.shape), -1)
 
     def albedo(self, view: View, size: tuple[int, int]) -> Image:
-        """Return linear albedo (h, w, 3), of 2 x 2 samples a pixel; zero of emitters."""
+        """Return linear albedo (h, w, 3), the mean of 2 x 2 samples per pixel; 0 on emitters."""
         mi, dr = self._mi, self._dr
         fine = (2 * size[0], 2 * size[1])
         rays = self._rays(view, fine)
@@ -206,9 +209,9 @@ class QuickTracer:
     def light(
         self, view: View, size: tuple[int, int], samples: int, seed: int, hits: Hits
     ) -> Image:
-        """Return light (h, w, 3), radiance / albedo, `samples` paths through each pixel's centre.
+        """Return light (h, w, 3), radiance / albedo, by `samples` paths per pixel centre.
 
-        `hits` are those of the same view and size; zero where emitters or nothing are seen.
+        `hits` must be of the same view and size. The result is zero at emitters and misses.
         """
         sampler = self._mi.load_dict({"type": "independent", "sample_count": 1})
         sampler.seed(seed % 2**31, size[0] * size[1] * samples)

@@ -1,8 +1,8 @@
 """Rooms unlike those of listings: random paints, patterned textiles, clutter, odd cameras.
 
-A network that learns to label photos from tidy homes alone takes a patterned bed cover for floor
-and a built-in wardrobe for wall; a share of randomised rooms (domain randomisation, Tobin et al.
-2017) shows it others. Nothing here changes a room that is not randomised.
+A network that learns to label photos only from tidy homes takes a patterned bed cover for floor
+and a built-in wardrobe for wall. Therefore a share of the rooms is randomised (domain
+randomisation, Tobin et al. 2017). Nothing here changes a room that is not randomised.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ from plan2scene_workshop.rendering.pieces import Look, Maker, Piece, cabinet, cu
 from plan2scene_workshop.rendering.tracer import Finish
 from plan2scene_workshop.rendering.views import View
 
-#: Shares of what randomised surfaces are of: "paint" of any colour, "pattern", or a substance.
+#: Probabilities of the materials of randomised surfaces: "paint" of any colour, "pattern", or a
+#: substance.
 _SURFACES: Mapping[str, Mapping[str, float]] = {
     "floor": {"wood": 0.3, "carpet": 0.4, "tile": 0.2, "plaster": 0.1},
     "wall": {"paint": 0.7, "pattern": 0.12, "tile": 0.08, "plaster": 0.06, "wood": 0.04},
@@ -38,7 +39,7 @@ def draw_random_rooms(house: House, share: float, seed: int) -> frozenset[str]:
 def randomise_materials(
     materials: Mapping[SurfaceKey, Material], rooms: Collection[str], seed: int
 ) -> dict[SurfaceKey, Material]:
-    """Return the materials of a house, those of some rooms drawn anew."""
+    """Return the materials of a house, with new random materials in `rooms`."""
     return {
         key: random_surface(key, derive_seed(seed, *key)) if key.room_id in rooms else material
         for key, material in materials.items()
@@ -46,7 +47,7 @@ def randomise_materials(
 
 
 def random_surface(key: SurfaceKey, seed: int) -> Material:
-    """Return any material for a surface; paints and carpets of any colour."""
+    """Return a random material for a surface; paints and most carpets have any colour."""
     rng = generator(seed)
     shares = _SURFACES[key.surface]
     what = str(rng.choice(list(shares), p=list(shares.values())))
@@ -67,7 +68,7 @@ def random_surface(key: SurfaceKey, seed: int) -> Material:
 
 
 def randomised_finishes(rng: np.random.Generator) -> dict[str, Finish]:
-    """Return patterned textiles in place of a house's fabrics: bedding, sofas, curtains, rugs."""
+    """Return patterned finishes that replace a house's fabrics (bedding, sofas, curtains, rugs)."""
     return {
         name: Finish(pattern(rng, 96), float(np.exp(rng.uniform(-1.8, 0.5))), 1.0)
         for name in FABRICS
@@ -75,7 +76,7 @@ def randomised_finishes(rng: np.random.Generator) -> dict[str, Finish]:
 
 
 def randomise_view(view: View, rng: np.random.Generator) -> View:
-    """Return a view from another height, tilted and zoomed as snapshots are."""
+    """Return a view with random height, tilt and field of view, like a snapshot."""
     x, _, z = view.position
     pitch, roll = np.radians((rng.normal(-8, 9), rng.normal(0, 2.5)))
     return replace(
@@ -116,7 +117,7 @@ def toys(rng: np.random.Generator, palette: Palette) -> Piece:
 
 
 def basket(rng: np.random.Generator, palette: Palette) -> Piece:
-    """Return a basket, bucket or bin, at times full."""
+    """Return a basket, bucket or bin, sometimes full."""
     radius, tall = rng.uniform(0.12, 0.28), rng.uniform(0.2, 0.6)
     piece = Piece(2 * radius, 2 * radius, tall + 0.1)
     sides = [
@@ -133,12 +134,12 @@ def basket(rng: np.random.Generator, palette: Palette) -> Piece:
 
 
 def built_in(rng: np.random.Generator, palette: Palette) -> Piece:
-    """Return a tall wardrobe with plain doors, mostly as white as walls."""
+    """Return a tall wardrobe with plain doors, mostly white like walls."""
     white = linear(rng.random(), rng.uniform(0, 0.08), rng.uniform(0.8, 0.97))
     look: Look = ("paint", white if rng.random() < 0.7 else pick(rng, palette.furniture))
     return cabinet(rng, palette, (rng.uniform(1.0, 3.0), 0.6, rng.uniform(2.1, 2.3)), look)
 
 
-#: Makers of what randomised rooms hold beside their furniture, with the mean count of each.
+#: Makers of the additional things in randomised rooms, with the mean count of each.
 ALONG_WALLS: Sequence[tuple[Maker, float]] = ((built_in, 0.5),)
 STANDING_FREE: Sequence[tuple[Maker, float]] = ((heap, 1.2), (toys, 1.2), (basket, 0.7))

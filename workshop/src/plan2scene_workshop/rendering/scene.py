@@ -1,4 +1,4 @@
-"""The scene of one photographed room: itself furnished, and what shows through its doors."""
+"""The scene of one photographed room with furniture, and of the rooms behind its doors."""
 
 from __future__ import annotations
 
@@ -56,22 +56,22 @@ from plan2scene_workshop.rendering.shell import (
 from plan2scene_workshop.rendering.tracer import Finish
 from plan2scene_workshop.rendering.views import View
 
-#: Materials of the windows' outside, of the photographed room and of rooms beyond.
+#: Materials of the view outside the windows, of the photographed room and of other rooms.
 SKY = ("sky", "sky beyond")
-#: How many openings away from the photographed room are still built.
+#: Rooms up to this number of openings away from the photographed room are built.
 REACH = 2
-#: Planes a mask can tell apart (255 is none).
+#: Largest number of planes in a mask (255 is none).
 MAX_PLANES = 254
-#: A leaf closer to a camera than this stays closed, metres.
+#: A door stays closed if a camera is closer than its width plus this, metres.
 LEAF_CLEARANCE = 0.7
 
 
 @dataclass(frozen=True)
 class RoomScene:
-    """Geometry, finishes by material name, the planes that the truth's indices name, the view.
+    """Geometry, finishes by material name, planes by the truth's indices, and the view outside.
 
-    `outside` is the panorama of :func:`.lights.view_outside`, seen where a mesh of the materials
-    :data:`SKY` is hit.
+    `outside` is a panorama as of :func:`.lights.view_outside`. It is visible where a ray hits a
+    mesh with a material of :data:`SKY`.
     """
 
     geometry: Geometry
@@ -93,12 +93,12 @@ def build_room_scene(
 ) -> RoomScene:
     """Build the scene of the room; furniture and open doors keep clear of the `views`.
 
-    Doors, furniture and colours depend on the house and the seed, not on the views, except
-    where a view has to be kept clear. A `randomised` room and all beyond its doors are of the
-    textiles and clutter of :mod:`.randomised`. With a `decor` the rooms have its textiles,
+    Doors, furniture and colours depend on the house and the seed, and on the views only where a
+    camera must be kept clear. If `randomised`, the room and the rooms behind its doors have the
+    textiles and clutter of :mod:`.randomised`. With a `decor`, the rooms have its textiles,
     furniture, light and view outside.
 
-    InputError when a surface of a room in sight has no material.
+    InputError if a surface of a room in sight has no material.
     """
     palette = decor.palette if decor else draw_palette(generator(seed, house.id, "palette"))
     builder = _Builder(house, room_id, palette, accents, views, seed, randomised, decor)
@@ -114,7 +114,7 @@ def build_room_scene(
 def _rooms_in_sight(
     house: House, room_id: str, doors: Mapping[str, DoorState | None]
 ) -> list[list[Room]]:
-    """Return the room, then those behind its open doors and passages, and so on to REACH."""
+    """Return the room, then the rooms behind its open doors and passages, and so on up to REACH."""
     rings = [[house.room(room_id)]]
     seen = {room_id}
     for _ in range(REACH):
@@ -133,7 +133,7 @@ def _rooms_in_sight(
 
 
 class _Builder:
-    """Adds rooms to one geometry; each opening's leaf once."""
+    """Adds rooms to one geometry; the leaf of each door is added once."""
 
     def __init__(
         self,
@@ -182,7 +182,7 @@ class _Builder:
     def _near_camera(
         self, start: tuple[float, float], end: tuple[float, float], low: float, high: float
     ) -> bool:
-        """Return whether a camera stands in the circle that an open leaf sweeps."""
+        """Return whether a camera is in or near the circle that an open leaf sweeps."""
         a, b = np.array(start), np.array(end)
         along = (b - a) / max(float(np.hypot(*(b - a))), 1e-9)
         middle = a + along * (low + high) / 2
@@ -230,7 +230,10 @@ class _Builder:
             )
 
     def _accent_walls(self, room: Room, faces: tuple[WallFace, ...]) -> dict[str, str]:
-        """Return the material names of walls with an accent: `room/wall id`, else the wall's id."""
+        """Return the material names of accent walls by wall id.
+
+        The key in `accents` is `room id/wall id`, or the wall's id.
+        """
         special = {}
         for face in faces:
             for name in (f"{room.id}/{face.wall.id}", face.wall.id):
@@ -269,7 +272,7 @@ class _Builder:
                 add_leaf(self.geometry, face, hole, state, look)
 
     def _light(self, room: Room, hops: int, windows: float) -> None:
-        """Add lamps and set the emitters; rooms beyond share one dim emitter each kind.
+        """Add lamps and set the emitters; all other rooms share one dim finish of each kind.
 
         `windows` is the area of the room's windows in square metres.
         """
@@ -300,6 +303,6 @@ def _is_window(hole: FaceOpening) -> bool:
 
 
 def surface_finish(material: Material) -> Finish:
-    """Return how a surface of that material looks; walls and carpets are plain diffuse."""
+    """Return the finish of a material; plaster and carpet are plain diffuse."""
     rough = 1.0 if material.substance in ("plaster", "carpet") else material.roughness
     return Finish(material.albedo, material.size_m, max(rough, 0.08))

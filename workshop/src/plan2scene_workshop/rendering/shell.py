@@ -1,4 +1,4 @@
-"""The shell of a room: floor, ceiling, wall faces with their openings cut, reveals, skirting.
+"""The shell of a room: floor, ceiling, wall faces with holes for openings, reveals, skirting.
 
 A room's polygon runs along the middle of its walls; the visible face of a wall lies half a
 thickness inside it. Reveals join the faces of the two rooms through an opening.
@@ -28,9 +28,9 @@ from plan2scene.plans.wall_sides import (
 )
 from plan2scene_workshop.rendering.geometry import Array, Colour, Geometry, Solid, box, quad
 
-#: A wall that ends this near to a corner of its room ends there, metres.
+#: A wall's end that is closer than this to a corner of the room is at the corner, metres.
 CORNER_TOLERANCE = 0.02
-#: How far reveals of an outer wall reach beyond the polygon, metres.
+#: Distance in metres by which reveals of an outer wall extend beyond the room's polygon.
 OUTER_REVEAL = 0.16
 SKIRTING_HEIGHT, SKIRTING_DEPTH = 0.08, 0.012
 
@@ -45,12 +45,12 @@ class WallFace:
     height: float
     inset: float  #: distance from the outline to the face
     outer: bool  #: no room lies on the other side
-    u_start: float  #: where this face begins along the room's walls, for continuous texture
+    u_start: float  #: start of this face along the room's walls, so that textures continue
     openings: tuple[FaceOpening, ...]
 
     @property
     def length(self) -> float:
-        """Metres."""
+        """Length in metres."""
         return self.plane.length
 
     def at(self, along: float, y: float, out: float = 0.0) -> Array:
@@ -82,7 +82,7 @@ def wall_faces(house: House, room: Room) -> tuple[WallFace, ...]:
 
 
 def _face(room: Room, wall: Wall, line: Frame, others: list[shapely.Polygon]) -> WallFace:
-    """Return the face in front of a wall's line: corners of the room move its ends."""
+    """Return the face in front of a wall's line; corners of the room shift its ends."""
     inset = wall.depth / 2
     ends = line.plan(np.array([0.0, line.length]))
     begin, cut = (inset * _corner(room, end) for end in ends)
@@ -101,7 +101,7 @@ def _face(room: Room, wall: Wall, line: Frame, others: list[shapely.Polygon]) ->
 
 
 def _corner(room: Room, point: Array) -> float:
-    """Return by how much a unit inset shortens a wall that ends there (0: no corner, straight)."""
+    """Return how much an inset of 1 shortens a wall at this end (0: no corner)."""
     for ring in walked_rings(room):
         distance = np.hypot(*(ring[:-1] - point).T)
         k = int(distance.argmin())
@@ -144,7 +144,7 @@ def add_wall_face(
 def flat_solid(polygon: shapely.Polygon, y: float, *, up: bool) -> Solid:
     """Return the polygon as a floor (`up`) or ceiling at height `y`; UV = (x, z) in metres."""
     points, faces = triangulate(polygon)
-    # (x, z) counter-clockwise is downwards in a right-handed frame with y up
+    # a counter-clockwise polygon in (x, z) faces downwards in a right-handed frame with y up
     faces = faces[:, ::-1] if up else faces
     vertices = np.stack([points[:, 0], np.full(len(points), y), points[:, 1]], -1)
     normals = np.tile([0.0, 1.0 if up else -1.0, 0.0], (len(points), 1))
@@ -183,7 +183,7 @@ def add_room_shell(
 ) -> None:
     """Add floor, ceiling and walls; planes are numbered as in :func:`room_planes`.
 
-    `wall_materials` names another material than the room's for some wall ids (accent walls).
+    `wall_materials` gives the materials of accent walls by wall id; others have the room's.
     """
     polygon = room_polygon(room)
     floor, ceiling = flat_solid(polygon, 0.0, up=True), flat_solid(polygon, room.height, up=False)

@@ -1,4 +1,4 @@
-"""What quick photos of training rooms add to diffuse light: flash, burnt-out lamps, reflections."""
+"""Light effects of quick training photos beyond diffuse light: flash, near lamps, reflections."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from plan2scene_workshop.rendering.quick import Hits, Image, QuickTracer
 from plan2scene_workshop.rendering.tracer import Finish
 from plan2scene_workshop.rendering.views import View
 
-#: Of metals, and of everything else at normal incidence.
+#: Reflectance at normal incidence of metals, and of all other materials.
 _METAL, _DIELECTRIC = 0.55, 0.05
 
 
@@ -26,9 +26,9 @@ def flash_light(view: View, hits: Hits, light: Image, rng: np.random.Generator) 
 
 
 def lamp_light(tracer: QuickTracer, hits: Hits, light: Image, rng: np.random.Generator) -> Image:
-    """Return the light of a lamp right before a wall or ceiling, in a fifth of the photos.
+    """Return the light of one or two lamps near a wall or ceiling, in a fifth of the photos.
 
-    What it shines on is burnt out, and remains a wall.
+    The surface is overexposed there, but its label does not change.
     """
     found = np.zeros_like(light)
     if rng.random() > 0.2:
@@ -59,10 +59,10 @@ def _point_light(
 def draw_gloss(
     names: Sequence[str], finishes: Sequence[Finish], rng: np.random.Generator
 ) -> NDArray[np.float32]:
-    """Return what each finish of a scene reflects at normal incidence, and its blur (n, 2).
+    """Return (n, 2): reflectance at normal incidence and blur of the reflection of each finish.
 
-    Blur is in pixels of a photo some 170 wide; most finishes are as dull as they are said to be,
-    some are polished.
+    Blur is in pixels of a photo about 170 px wide. The reflectance of most finishes follows from
+    their roughness; some models are polished at random.
     """
     rows = []
     for name, finish in zip(names, finishes, strict=True):
@@ -86,10 +86,11 @@ def reflections(
     hits: Hits,
     light: Image,
 ) -> Image:
-    """Return the light (h, w, 3) that glossy faces mirror, blurred by their roughness.
+    """Return the light (h, w, 3) that glossy faces mirror, blurred as `gloss` says.
 
-    What is mirrored is cast at the size of `small`: emitters as they are, all else by its mean
-    colour in the photo's median light. Gloss rises at grazing angles (Schlick 1994).
+    Mirror rays are cast at the size of `small`. An emitter is seen with its radiance, any other
+    face with its mean colour in the photo's median light. Gloss rises at grazing angles (Schlick
+    1994).
     """
     seen = tracer.mirrored(view, small)
     grey = tracer.faces.colours[seen] * np.median(light, axis=(0, 1))

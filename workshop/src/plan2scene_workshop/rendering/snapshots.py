@@ -1,7 +1,7 @@
-"""Training photos: many snapshots of a furnished room, from anywhere, with every truth.
+"""Training photos: many snapshots of a furnished room from any position, with full truth.
 
-Views are chosen after the room is furnished, by what a coarse cast sees; then light is traced
-coarsely, filtered, scaled up along edges, and multiplied by full-size albedo (:mod:`.quick`).
+Views are chosen after the room is furnished, by a coarse ray cast. Then light is traced at a low
+resolution, filtered, upsampled along edges, and multiplied by full-size albedo (:mod:`.quick`).
 """
 
 from __future__ import annotations
@@ -34,16 +34,16 @@ from plan2scene_workshop.rendering.scene import SKY, build_room_scene
 from plan2scene_workshop.rendering.shine import draw_gloss, flash_light, lamp_light, reflections
 from plan2scene_workshop.rendering.views import View
 
-#: Light's size as a share of the photo's, and its paths per pixel.
+#: Size of the light image relative to the photo, and its paths per pixel.
 LIGHT_SCALE, LIGHT_SAMPLES = 0.375, 6
-#: Aspect ratios (long side / short side) and how often.
+#: Aspect ratios (long side / short side) and their probabilities.
 _ASPECTS = {4 / 3: 0.7, 3 / 2: 0.15, 16 / 9: 0.1, 1.0: 0.05}
 _PORTRAIT = 0.25
-#: Share of photos by a worse camera or photographer; of a listing's.
+#: Share of photos by a worse camera or photographer; the same for listed homes.
 _WILD, _WILD_LISTED = 0.7, 0.2
-#: Candidates per view, and the height of the coarse cast that judges them.
+#: Candidates per view, and the shorter side in pixels of the coarse cast that scores them.
 _CANDIDATES, _COARSE = 6, 24
-#: Most of a view of an emptied room that doors fill.
+#: Largest share of a view of an emptied room that is door.
 _DOOR = 0.2
 
 
@@ -53,9 +53,9 @@ class Snapshot:
 
     view: View
     image: NDArray[np.uint8]  #: (h, w, 3) sRGB
-    labels: NDArray[np.uint8]  #: (h, w): as in the palette, and doors and windows
-    normals: NDArray[np.uint8]  #: (h, w, 3) camera axes, (n + 1) / 2 * 255; 0 for nothing
-    depth: NDArray[np.uint16]  #: (h, w) along the camera's axis, millimetres; 0 for nothing
+    labels: NDArray[np.uint8]  #: (h, w): labels of the palette, including doors and windows
+    normals: NDArray[np.uint8]  #: (h, w, 3) camera axes, (n + 1) / 2 * 255; 0 where nothing is hit
+    depth: NDArray[np.uint16]  #: (h, w) along the camera's axis, mm; 0 where nothing is hit
     camera: dict[str, Any]  #: as in ``cameras.json`` of the truth; no planes
 
 
@@ -72,9 +72,9 @@ def shoot_room(
     mi: Any,
     listed: bool = False,
 ) -> Iterator[Snapshot]:
-    """Yield up to `count` snapshots of a room; fewer where it has too few places to stand.
+    """Yield up to `count` snapshots of a room; fewer if it has too few good views.
 
-    Those of a `listed` home are wide views from the rim of a room, by better photographers.
+    Those of a `listed` home are wide views from the border of a room, by better photographers.
     """
     scene = build_room_scene(
         house, room_id, decor.materials(materials), accents, (), seed, decor=decor
@@ -101,9 +101,9 @@ def choose_views(
     things: bool = True,
     listed: bool = False,
 ) -> list[tuple[View, tuple[int, int]]]:
-    """Return views and photo sizes (height, width), chosen among random ones by what they see.
+    """Return views with photo sizes (height, width): the best-scored of random candidates.
 
-    What a room is full of is looked for where `things` says so; `listed` as of `shoot_room`.
+    With `things`, the score prefers views of furniture. `listed` is that of `shoot_room`.
     """
     inner = room_polygon(room).buffer(-0.2)
     if inner.is_empty:
@@ -137,9 +137,9 @@ def _candidate(
     *,
     listed: bool,
 ) -> tuple[View, tuple[int, int]]:
-    """Draw a camera anywhere in the room: half of them as a hand-held depth camera sees.
+    """Draw a camera anywhere in the room; half of them are like a hand-held depth camera's.
 
-    That of a listing looks into the room from its rim.
+    Cameras of listed homes stand near the border of the room.
     """
     x0, z0, x1, z1 = inner.bounds
     while True:
@@ -185,7 +185,7 @@ def _towards_rim(
 
 
 def _score(tracer: QuickTracer, view: View, size: tuple[int, int], *, things: bool) -> float | None:
-    """Judge what a view sees by a coarse cast; None for one inside or right before something."""
+    """Return the score of a view by a coarse ray cast; None if it is unfit or too close."""
     scale = _COARSE / min(size)
     hits = tracer.hits(view, (round(size[0] * scale), round(size[1] * scale)))
     seen = hits.face >= 0
@@ -203,7 +203,7 @@ def _score(tracer: QuickTracer, view: View, size: tuple[int, int], *, things: bo
     score = 0.9 * min(floor, 0.15) / 0.15 + 0.5 * min(wall, 0.25) / 0.25
     score += 0.1 * min(ceiling, 0.1) / 0.1
     if not things:
-        # A pale leaf right before the camera is not to be told from a wall.
+        # A pale door leaf that fills the view looks like a wall.
         return None if float((labels == DOOR).mean()) > _DOOR else score
     return score + 0.5 * min(tops, 0.25) / 0.25 + 1.8 * min(other, 0.65) / 0.65
 
@@ -250,7 +250,7 @@ def _shoot(
 def _emitted(
     tracer: QuickTracer, outside: NDArray[np.float32], view: View, hits: Hits
 ) -> NDArray[np.float32]:
-    """Return what shines by itself (h, w, 3): lamps, and the view outside in the windows."""
+    """Return emitted radiance (h, w, 3): that of lamps, and of the view outside in windows."""
     emitted = np.where((hits.face >= 0)[..., None], tracer.faces.emission[hits.face], 0)
     sky = [k for k, name in enumerate(tracer.names) if name in SKY]
     windows = np.isin(tracer.faces.groups[hits.face], sky) & (hits.face >= 0)

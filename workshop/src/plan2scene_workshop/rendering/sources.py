@@ -1,4 +1,4 @@
-"""What training photos draw from beside procedural things: textures, environments, models."""
+"""Real data that training photos use besides procedural data: textures, environments, models."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from plan2scene_workshop.rendering.index import (
 from plan2scene_workshop.rendering.lights import PANORAMA_TOP
 from plan2scene_workshop.rendering.models import ModelEntry, read_model_index
 
-#: Substance, size in metres and roughness by the word that a row's substance ends with.
+#: Substance, size in metres and roughness by the last word of a row's column substance.
 _SUBSTANCES = {
     "carpet": ("carpet", 0.8, 0.97),
     "fabric": ("carpet", 0.5, 0.97),
@@ -41,21 +41,21 @@ _SUBSTANCES = {
     "laminate": ("wood", 1.6, 0.4),
     "veneer": ("wood", 1.0, 0.4),
 }
-#: Side of the textures kept, pixels.
+#: Side in pixels to which flat textures are resized.
 TEXTURE_PX = 512
 
 
 @dataclass(frozen=True)
 class Environment:
-    """The view from windows and what light comes in."""
+    """The view outside windows, and the colour of its light."""
 
-    panorama: NDArray[np.float32]  #: as of :func:`.lights.view_outside`
-    tint: tuple[float, float, float]  #: linear RGB of mean 1, of the upper half
+    panorama: NDArray[np.float32]  #: in the format of :func:`.lights.view_outside`
+    tint: tuple[float, float, float]  #: linear RGB with mean 1: mean colour of the upper half
 
 
 @dataclass(frozen=True)
 class Sources:
-    """All of one split; empty: everything is procedural."""
+    """All real data of one split; if empty, everything is procedural."""
 
     textures: Sequence[Material] = ()
     environments: Sequence[Environment] = ()
@@ -66,7 +66,7 @@ class Sources:
 def load_sources(
     textures: tuple[str, ...], environments: str | None, models: str | None, *, train: bool
 ) -> Sources:
-    """Return what the folders hold for the train split or (other things) for the other ones."""
+    """Return the folders' data for the train split, or the different data for the other splits."""
     materials: list[Material] = []
     for folder in textures:
         materials += load_textures(folder, train=train)
@@ -78,11 +78,11 @@ def load_sources(
 
 
 def load_textures(folder: str | Path, *, train: bool) -> list[Material]:
-    """Return a folder's textures: of a folder per substance with splits, or of a flat one.
+    """Return the textures of a folder, which has subfolders per substance, or is flat.
 
-    A flat folder has `index.csv` with columns file and substance (such as floor_wood), and may
-    name a map of normals in column normal: relief in light from one side is put into the colour.
-    Every eighth of its rows is for other splits than train.
+    A flat folder has `index.csv` with columns file and substance (such as floor_wood). Column
+    normal may name a normal map: its shading by light from one side is added to the colour. Every
+    eighth row is for the splits other than train.
     """
     rows = read_index(folder, "textures")
     if "file" not in rows[0]:
@@ -126,7 +126,7 @@ def _environment(file: Path) -> Environment:
 
     mi: Any = load_mitsuba()
     drjit = importlib.import_module("drjit")
-    drjit.set_thread_count(max(2, drjit.thread_count()))  # the EXR reader waits for a second one
+    drjit.set_thread_count(max(2, drjit.thread_count()))  # the EXR reader hangs with one
     try:
         bitmap = mi.Bitmap(str(file)).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32)
     except RuntimeError as error:

@@ -1,6 +1,6 @@
 """Renders a loaded scene with Mitsuba 3: radiance, guides and truth of one camera.
 
-Mitsuba is imported here only, and only when something is rendered (the extra `workshop`).
+Mitsuba (the extra `workshop`) is imported only when something is rendered.
 """
 
 from __future__ import annotations
@@ -18,29 +18,29 @@ from plan2scene_app.pictures.path_tracing import sensor
 from plan2scene_workshop.rendering.geometry import Geometry, JoinedGroup
 from plan2scene_workshop.rendering.views import View
 
-#: Variants in order of preference; scalar needs nothing but Mitsuba and is about 4x slower.
+#: Variants in order of preference; the scalar one needs only Mitsuba and is about 4x slower.
 VARIANTS = ("llvm_ad_rgb", "scalar_rgb")
 PATH_DEPTH, ROULETTE_DEPTH = 5, 3
 
 
 @dataclass(frozen=True)
 class Finish:
-    """How a mesh looks: a tile or a colour per face, and how rough it is."""
+    """The look of a mesh: a tile or one colour per face, and roughness."""
 
     tile: NDArray[np.uint8] | None = None  #: (h, w, 3) sRGB; None: the colour of each face
     size_m: float = 1.0  #: metres that one tile covers
     roughness: float = 0.6  #: in [0, 1]; at 1 the finish is plain diffuse
     metallic: bool = False  #: metal and mirrors
-    two_sided: bool = False  #: plain diffuse from both sides: normals of models may be wrong
-    #: Radiance of an emitter, coloured by `light` (linear RGB) alone: a textured emitter would be
-    #: sampled by its texture, which fails for metric coordinates.
+    two_sided: bool = False  #: plain diffuse on both sides, because models may have wrong normals
+    #: Radiance of an emitter; only `light` (linear RGB) gives its colour. Mitsuba would sample a
+    #: textured emitter by its texture, which fails with texture coordinates in metres.
     emission: float | None = None
     light: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
 
 @dataclass(frozen=True)
 class Buffers:
-    """What one rendering pass returns: (h, w, 3) linear RGB, averaged over the pixel."""
+    """The result of one rendering pass: (h, w, 3) linear RGB, averaged over each pixel."""
 
     radiance: NDArray[np.float32]
     albedo: NDArray[np.float32]
@@ -48,7 +48,7 @@ class Buffers:
 
 @dataclass(frozen=True)
 class Truth:
-    """What the ray through each pixel's centre hits, all (h, w) or (h, w, 3)."""
+    """The surface that the ray through each pixel's centre hits; all (h, w) or (h, w, 3)."""
 
     labels: NDArray[np.uint8]
     planes: NDArray[np.uint8]
@@ -58,7 +58,7 @@ class Truth:
 
 
 def load_mitsuba(variant: str | None = None) -> Any:
-    """Return the mitsuba module with a variant set; InputError where none works.
+    """Return the mitsuba module with a variant set; InputError if none works.
 
     By default it is the first of :data:`VARIANTS` that works here (`llvm_ad_rgb` needs LLVM's
     shared library).
@@ -114,7 +114,7 @@ class Tracer:
         return self._buffers(self._image, view, size, samples, seed)
 
     def guide(self, view: View, size: tuple[int, int], samples: int, seed: int) -> Buffers:
-        """Return the buffers without any reflected light: `radiance` is what emitters show."""
+        """Return the buffers without reflected light: `radiance` is that of visible emitters."""
         return self._buffers(self._guide, view, size, samples, seed)
 
     def _buffers(
@@ -147,7 +147,7 @@ class Tracer:
 
 
 def _shape_ids(mi: Any, scene: Any) -> dict[int, int]:
-    """Return, for each value of the AOV `shape_index` (0 is a miss), the number of our mesh."""
+    """Return the index of our mesh for each value of the AOV `shape_index` (0: no hit)."""
     ids = {}
     for position, shape in enumerate(scene.shapes()):
         value = position + 1

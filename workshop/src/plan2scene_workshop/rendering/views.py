@@ -1,4 +1,4 @@
-"""Where a photographer of a listing stands: near corners and doors, looking across the room."""
+"""Views like those of listings: the camera stands near the walls and looks across the room."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ FIELD_OF_VIEW_DEG = (50.0, 90.0)  #: horizontal
 MAX_PITCH_DEG, MAX_ROLL_DEG = 8.0, 2.0
 WALL_CLEARANCE = 0.3  #: least distance of a camera from the room's polygon, metres
 _CANDIDATES = 160
-#: Rows and columns of rays that judge a candidate.
+#: Rows and columns of the rays that score a candidate.
 _JUDGED = (9, 13)
 
 
@@ -66,10 +66,10 @@ class View:
 
 
 def plan_views(house: House, rooms: Sequence[str], count: int, seed: int) -> list[View]:
-    """Return `count` views of the named rooms, the largest rooms first and most often.
+    """Return `count` views of the named rooms; larger rooms come first and get more views.
 
-    Every room gets a view when `count` allows; later views of a room differ from earlier ones.
-    InputError when a room is not in the house or is too narrow to stand in.
+    Every room gets a view if `count` allows, and the views of a room differ from one another.
+    InputError if a room is not in the house or is too narrow to stand in.
     """
     known = {room.id: room for room in house.rooms}
     for room_id in rooms:
@@ -117,7 +117,7 @@ def _room_views(house: House, room: Room, count: int, seed: int) -> list[View]:
 
 
 def _candidate(room: Room, inner: shapely.Polygon, rng: np.random.Generator) -> View:
-    """Draw a position close to the rim of the standing area and a heading across the room."""
+    """Draw a position near the border of the free floor and a heading across the room."""
     rim = inner.boundary
     stand = rim.interpolate(rng.uniform(0, rim.length))
     centre = inner.representative_point() if inner.geom_type == "Polygon" else inner.centroid
@@ -143,7 +143,10 @@ def _candidate(room: Room, inner: shapely.Polygon, rng: np.random.Generator) -> 
 
 
 def _score(view: View, room: Room, polygon: shapely.Polygon) -> float:
-    """Judge a view of the empty room: depth seen, and a share of floor, wall and ceiling each."""
+    """Return the score of a view of the empty room: it prefers depth, floor and ceiling in view.
+
+    Walls close to the camera lower it.
+    """
     rows, columns = _JUDGED
     half = np.tan(view.fov / 2)
     u, v = np.meshgrid(np.linspace(-half, half, columns), np.linspace(-0.75, 0.75, rows) * half)

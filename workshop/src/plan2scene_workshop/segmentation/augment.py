@@ -1,8 +1,8 @@
-"""Augmentation: what makes a network trained on rendered rooms stand real photos.
+"""Augmentation, so that a network trained on rendered rooms works on real photos.
 
-Rendered rooms look alike in ways that real ones do not. So shape (crop, scale, turn, mirror,
-tilt), what stands in the room (things of other photos, plain patches), what surfaces are made of
-(:mod:`.surfaces`), light and camera (:mod:`.camera_looks`) are varied widely.
+Rendered rooms look alike in ways that real ones do not. So this module varies widely the geometry
+(crop, scale, turn, mirror, tilt), the things in the room (those of other photos, plain patches),
+the materials of surfaces (:mod:`.surfaces`), light and camera (:mod:`.camera_looks`).
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from plan2scene_workshop.segmentation.camera_looks import other_camera
 from plan2scene_workshop.segmentation.data import LabelledPhoto
 from plan2scene_workshop.segmentation.surfaces import faced, recolour_labels, retexture
 
-#: Chance that each label of a view is tinted, and that one has another material.
+#: Probability that the labels of a view are tinted, and that one label gets another material.
 RECOLOUR, RETEXTURE = 0.35, 0.55
-#: Chance that a view is tilted and turned, gets things of another view, and each of two patches.
+#: Probability that a view is tilted, gets things of another view, and gets each of two patches.
 TILT, TRANSPLANT, PATCH = 0.5, 0.3, 0.2
 #: Least share of a photo's area that a view shows.
 LEAST_VIEW = 0.2
@@ -30,15 +30,15 @@ LEAST_VIEW = 0.2
 
 @dataclass(frozen=True)
 class Batch:
-    """Augmented views, a row each."""
+    """Augmented views; each is one row of every tensor."""
 
     images: torch.Tensor  #: (n, 3, height, width) float32 sRGB in [0, 1]
     #: (n, height, width) float32 sine of each pixel's elevation; NaN where unknown.
     elevations: torch.Tensor
     labels: torch.Tensor  #: (n, height, width) int64; 255 (ignore) beyond the photo
-    openings: torch.Tensor  #: (n,) bool: whether labels tell doors and windows
-    taught: torch.Tensor  #: (n,) bool: whether teachers are asked
-    #: (n, 4, height, width) float32 normal and depth, zero where unknown; None where no photo has.
+    openings: torch.Tensor  #: (n,) bool: whether the labels include doors and windows
+    taught: torch.Tensor  #: (n,) bool: whether teachers label the view
+    #: (n, 4, height, width) float32 normal and depth, zero where unknown; None if no photo has any.
     geometry: torch.Tensor | None
 
     def to(self, device: str) -> Batch:
@@ -54,11 +54,11 @@ class View:
 
     image: np.ndarray  #: (h, w, 3) uint8 sRGB
     labels: np.ndarray  #: (h, w) uint8
-    sines: np.ndarray  #: (h, w) float32 elevation, NaN where unknown
-    geometry: np.ndarray | None  #: (h, w, 4) float32 as of a photo
+    sines: np.ndarray  #: (h, w) float32 sine of the elevation, NaN where unknown
+    geometry: np.ndarray | None  #: (h, w, 4) float32 normal and depth, as in a photo
 
     def mapped(self, move: np.ndarray) -> View:
-        """Return the view by a homography (3, 3) of pixels; beyond its border nothing is known."""
+        """Return the view warped by a homography (3, 3) of pixels; outside it labels are 255."""
         height, width = self.labels.shape
 
         def warp(values: np.ndarray, border: float, how: int = cv2.INTER_NEAREST) -> np.ndarray:
@@ -118,10 +118,10 @@ def training_batch(
 def cut_view(
     photo: LabelledPhoto, sines: np.ndarray, size: tuple[int, int], rng: np.random.Generator
 ) -> View:
-    """Return a part of a photo, and of its elevations, at `size` (height, width), maybe mirrored.
+    """Return a random part of a photo and its elevations at `size` (height, width), maybe mirrored.
 
-    Its area is between `LEAST_VIEW` and all of the photo's: what wide photos show, as narrow ones
-    see it.
+    Its area is between `LEAST_VIEW` and all of the photo's, so that wide photos also give narrow
+    views.
     """
     height, width = photo.labels.shape
     aspect = size[1] / size[0] * np.exp(rng.uniform(-0.16, 0.16))
@@ -149,7 +149,7 @@ def cut_view(
 
 
 def _other_surfaces(view: View, rng: np.random.Generator) -> View:
-    """Return a view at times with its surfaces of other looks."""
+    """Return a view, at random with other colours or materials of its surfaces."""
     image = view.image
     if rng.random() < RECOLOUR:
         image = recolour_labels(image, view.labels, rng)
@@ -159,7 +159,7 @@ def _other_surfaces(view: View, rng: np.random.Generator) -> View:
 
 
 def _tilted(view: View, rng: np.random.Generator) -> View:
-    """Return a view at times turned by a few degrees, scaled a little and seen askew."""
+    """Return a view, at random rotated by a few degrees, rescaled and in other perspective."""
     if rng.random() >= TILT:
         return view
     height, width = view.labels.shape
@@ -173,7 +173,7 @@ def _tilted(view: View, rng: np.random.Generator) -> View:
 
 
 def transplant(view: View, other: View, rng: np.random.Generator) -> None:
-    """Put what is no surface in another view, or one part of it, into a view."""
+    """Paste the things in a random window of another view (other, doors, windows) into a view."""
     things = np.isin(other.labels, (OTHER, DOOR, WINDOW))
     height, width = things.shape
     tall, wide = (int(rng.uniform(0.3, 1) * n) for n in (height, width))
@@ -184,7 +184,7 @@ def transplant(view: View, other: View, rng: np.random.Generator) -> None:
 
 
 def patch(view: View, rng: np.random.Generator) -> None:
-    """Put a plain box of any colour in front of a view."""
+    """Paste a box of one random colour into a view."""
     height, width = view.labels.shape
     area, aspect = rng.uniform(0.004, 0.06) * height * width, np.exp(rng.uniform(-1.2, 1.2))
     tall = max(1, min(height, int(np.sqrt(area * aspect))))
@@ -198,7 +198,7 @@ def patch(view: View, rng: np.random.Generator) -> None:
 
 
 def _put(view: View, where: np.ndarray, other: View) -> None:
-    """Put pixels of another view into a view; the elevation stays, it is the camera's."""
+    """Paste pixels of another view into a view; the elevation stays (it depends on the camera)."""
     view.image, view.labels = view.image.copy(), view.labels.copy()
     view.image[where], view.labels[where] = other.image[where], other.labels[where]
     if view.geometry is not None:

@@ -1,4 +1,4 @@
-"""The temperature that makes a network's probabilities mean what they say."""
+"""The temperature that calibrates a network's probabilities."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ TEMPERATURES = np.exp(np.linspace(np.log(0.5), np.log(3.0), 37))
 
 
 def best_temperature(logits: Sequence[np.ndarray], labels: Sequence[np.ndarray]) -> float:
-    """Return the temperature of least cross-entropy of other, floor, wall and ceiling.
+    """Return the temperature with the lowest cross-entropy of other, floor, wall and ceiling.
 
     Parameters
     ----------
     logits : n of (4 or 6, h', w') float32
-        Of photos that were not trained on.
+        Of photos that the network was not trained on.
     labels : n of (h, w) uint8
-        Their truth; 255 is left out.
+        True labels of these photos; 255 is left out.
     """
     found, true = [], []
     for values, photo in zip(logits, labels, strict=True):
         size = (values.shape[2], values.shape[1])
         small = cv2.resize(without_openings(photo), size, interpolation=cv2.INTER_NEAREST)
         kept = small != IGNORE
-        found.append(values[:, kept][:, ::7])  # neighbours tell little more
+        found.append(values[:, kept][:, ::7])  # neighbours add little
         true.append(small[kept][::7])
     every, right = np.concatenate(found, axis=1), np.concatenate(true)
     losses = [_cross_entropy(every / temperature, right) for temperature in TEMPERATURES]

@@ -1,6 +1,6 @@
-"""The same view by other lamps and cameras: what makes renderings stand for photos.
+"""Augmentation of light and camera, so that a network trained on renderings works on photos.
 
-By OpenCV and on the processor: an order of magnitude quicker there than libraries that augment
+It uses OpenCV on the processor. That is ten times faster there than libraries that augment
 tensors, which took longer than the network's own step.
 """
 
@@ -17,7 +17,7 @@ _GREY = np.array([0.299, 0.587, 0.114], np.float32)
 
 
 def lamp(image: Array, rng: Rng) -> Array:
-    """Return an image (h, w, 3) float32 in [0, 1] with light that falls off, or a bright spot."""
+    """Return an image (h, w, 3) float32 in [0, 1] under a gradient or a broad spot of light."""
     height, width = image.shape[:2]
     y, x = np.mgrid[-1 : 1 : height * 1j, -1 : 1 : width * 1j].astype(np.float32)
     if rng.random() < 0.5:
@@ -31,7 +31,7 @@ def lamp(image: Array, rng: Rng) -> Array:
 
 
 def burnt(image: Array, rng: Rng) -> Array:
-    """Return an image with a lamp so near that what it lights burns out, the rest darker or not."""
+    """Return an image with an overexposed spot of light; the rest is up to half as bright."""
     height, width = image.shape[:2]
     y, x = np.mgrid[-1 : 1 : height * 1j, -1 : 1 : width * 1j].astype(np.float32)
     left, top, spread = rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(0.1, 0.5)
@@ -42,10 +42,10 @@ def burnt(image: Array, rng: Rng) -> Array:
 
 
 def random_filter(image: Array, rng: Rng) -> Array:
-    """Return an image partly replaced by a random linear filter of it.
+    """Return a mix of an image and a random linear filter of it.
 
-    Shapes stay, textures and colours are others: what the network shall not go by. RandConv, Xu et
-    al. 2021, https://arxiv.org/abs/2007.13003.
+    Shapes stay; textures and colours change, so that the network does not rely on them. RandConv,
+    Xu et al. 2021, https://arxiv.org/abs/2007.13003.
     """
     side = int(rng.choice([1, 3, 5, 7]))
     kernels = rng.standard_normal((3, 3, side, side), dtype=np.float32) / (side * np.sqrt(3))
@@ -59,20 +59,20 @@ def random_filter(image: Array, rng: Rng) -> Array:
 
 
 def balance(image: Array, rng: Rng) -> Array:
-    """Return an image by another white balance, from blue to lamp-lit, at times green or pink."""
+    """Return an image with another white balance: cold or warm, and slightly green or pink."""
     warm, green = rng.normal(0, 0.16), rng.normal(0, 0.05)
     gains = np.exp(np.array([warm, green, -warm], np.float32))
     return image * (gains / (gains @ _GREY))
 
 
 def tone(image: Array, rng: Rng) -> Array:
-    """Return an image by another exposure and tone curve: black and white points, gamma, a bend.
+    """Return an image with another exposure and tone curve (black and white points, gamma, bend).
 
-    Phones lift shadows and press highlights; what is burnt out or lost in the dark stays so.
+    Phones lift shadows and compress highlights. Clipped light and dark parts stay clipped.
     """
     x = np.linspace(0, 1, 1024, dtype=np.float32)
     black, white = rng.uniform(-0.08, 0.12), rng.uniform(0.7, 1.35)
-    if rng.random() < 0.3:  # taken in too little light
+    if rng.random() < 0.3:  # underexposed
         white *= rng.uniform(1.2, 2.8)
     y = np.clip((x - black) / (white - black), 0, 1) ** np.exp(rng.normal(0.05, 0.35))
     y = y + rng.uniform(-0.4, 0.4) * np.sin(2 * np.pi * y) / (2 * np.pi)
@@ -80,14 +80,14 @@ def tone(image: Array, rng: Rng) -> Array:
 
 
 def saturation(image: Array, rng: Rng) -> Array:
-    """Return an image of stronger or paler colours, at times grey."""
+    """Return an image with stronger or paler colours, sometimes grey."""
     share = 0.0 if rng.random() < 0.12 else rng.uniform(0.3, 1.6)
     grey = (image @ _GREY)[..., None]
     return np.asarray(grey + np.float32(share) * (image - grey))
 
 
 def blur(image: Array, rng: Rng) -> Array:
-    """Return an image out of focus or moved."""
+    """Return an image with focus blur or motion blur."""
     if rng.random() < 0.75:
         return cv2.GaussianBlur(image, (0, 0), rng.uniform(0.4, 1.7))
     length = int(rng.integers(3, 8))
@@ -105,7 +105,7 @@ def sharpen(image: Array, rng: Rng) -> Array:
 
 
 def noise(image: Array, rng: Rng) -> Array:
-    """Return an image with sensor noise, more in the dark, fine or in blotches."""
+    """Return an image with sensor noise, fine or coarse, stronger in dark parts."""
     height, width = image.shape[:2]
     grain = 1 if rng.random() < 0.6 else 2
     size = (-(-height // grain), -(-width // grain), 3)
@@ -116,13 +116,13 @@ def noise(image: Array, rng: Rng) -> Array:
 
 
 def compress(image: Array, rng: Rng) -> Array:
-    """Return an image as JPEG of low or high quality has it."""
+    """Return an image after JPEG compression of random quality."""
     quality = [cv2.IMWRITE_JPEG_QUALITY, int(rng.integers(25, 92))]
     _, data = cv2.imencode(".jpg", (np.clip(image, 0, 1) * 255).astype(np.uint8), quality)
     return np.asarray(cv2.imdecode(data, cv2.IMREAD_COLOR), np.float32) / 255
 
 
-#: What happens to a view on its way into the file, in this order, and how often.
+#: The changes to a view, in this order, each with its probability.
 LOOKS: tuple[tuple[Callable[[Array, Rng], Array], float], ...] = (
     (random_filter, 0.2),
     (lamp, 0.35),

@@ -32,15 +32,15 @@ class LabelledPhoto:
 
     name: str
     image: np.ndarray  #: (h, w, 3) uint8 sRGB
-    #: (h, w) uint8: 0 other, 1 floor, 2 wall, 3 ceiling, 255 ignore; 4 door and 5 window where
-    #: `openings` says that they are not 0.
+    #: (h, w) uint8: 0 other, 1 floor, 2 wall, 3 ceiling, 255 ignore; 4 door and 5 window if
+    #: `openings` (otherwise doors and windows are 0, other).
     labels: np.ndarray
     horizon: Horizon | None = None  #: if known
     openings: bool = False
-    #: (h / 2, w / 2, 4) float16, where the renderer told: the normal in camera axes and the depth
-    #: in metres; zero where nothing is hit.
+    #: (h / 2, w / 2, 4) float16, if the renderer wrote it: the normal in camera axes and the depth
+    #: in metres; zero where no surface is hit.
     geometry: np.ndarray | None = None
-    #: Whether teachers, where there are some, are asked about it; where not, labels alone count.
+    #: Whether teachers (if there are any) label this photo; if not, only its labels are learned.
     taught: bool = True
 
 
@@ -48,8 +48,8 @@ def read_labelled_photos(root: str | Path, split: str, *, long_side: int) -> lis
     """Return the photos of a split of a synthetic data set, scaled down to `long_side` pixels.
 
     Reads ``data_lists/{split}.txt``, ``truth/{split}/{house}/cameras.json`` (which names the
-    photos), ``photos/`` and the masks beside (``docs/conventions.md``), and ``normals/`` and
-    ``depth/`` where there are some. Doors and windows are told where any mask tells them.
+    photos), ``photos/``, ``masks/`` (``docs/conventions.md``), and ``normals/`` and ``depth/`` if
+    present. `openings` is true for all photos if any mask of the split has doors or windows.
     """
     base = Path(root)
     listing = base / "data_lists" / f"{split}.txt"
@@ -106,7 +106,7 @@ def digest(photos: Sequence[LabelledPhoto]) -> str:
 
 
 def horizon_of(camera: Mapping[str, Any]) -> Horizon | None:
-    """Return the horizon of a camera given as in a truth file; None when that does not say."""
+    """Return the horizon of a camera of a truth file; None if it has no rotation."""
     if "rotation" not in camera:
         return None
     up = tuple(float(row[1]) for row in camera["rotation"])
@@ -129,7 +129,7 @@ def scaled_down(
 
 
 def confusion(predicted: np.ndarray, true: np.ndarray) -> np.ndarray:
-    """Return (6, 6) int64 pixel counts of labels (h, w), rows true, columns predicted; not 255."""
+    """Return (6, 6) int64 pixel counts of labels (h, w): rows true (without 255), columns found."""
     count = len(LABELS_AND_OPENINGS)
     kept = true != IGNORE
     pairs = true[kept].astype(np.int64) * count + predicted[kept]
@@ -140,9 +140,9 @@ def confusion(predicted: np.ndarray, true: np.ndarray) -> np.ndarray:
 class Scores:
     """Scores over many photos, all in [0, 1]; NaN for a label that occurs nowhere."""
 
-    #: Intersection over union of LABELS; doors and windows are other.
+    #: Intersection over union of each of LABELS; doors and windows count as other.
     iou: tuple[float, ...]
-    accuracy: float  #: share of pixels labelled rightly, of these labels
+    accuracy: float  #: share of pixels with the right one of these labels
     openings: float  #: intersection over union of doors and windows taken together
 
     @property
@@ -158,7 +158,7 @@ class Scores:
 
 
 def scores(matrices: Sequence[np.ndarray]) -> Scores:
-    """Return the scores of summed confusion matrices (pixels of all photos count alike)."""
+    """Return the scores of the sum of confusion matrices (all pixels have the same weight)."""
     total = np.sum(matrices, axis=0).astype(np.float64)
     four = _grouped(total, [0, 1, 2, 3, 0, 0])
     openings = _grouped(total, [0, 0, 0, 0, 1, 1])
@@ -170,7 +170,7 @@ def scores(matrices: Sequence[np.ndarray]) -> Scores:
 
 
 def _grouped(matrix: np.ndarray, groups: Sequence[int]) -> np.ndarray:
-    """Return a confusion matrix of labels taken together, by each label's group."""
+    """Return the confusion matrix of groups of labels; `groups` is the group of each label."""
     member = np.eye(max(groups) + 1)[list(groups)]
     return np.asarray(member.T @ matrix @ member)
 

@@ -1,4 +1,4 @@
-"""Sets of photos with true labels, and how well a network labels them: by label and by group."""
+"""Evaluation of a segmentation network on sets of labelled photos, by label and by group."""
 
 from __future__ import annotations
 
@@ -28,28 +28,28 @@ from plan2scene_workshop.segmentation.data import (
     scores,
 )
 
-#: Bins of confidence that the calibration error is made of.
+#: Number of bins of confidence for the calibration error.
 BINS = 15
-#: Median of a photo's grey values in [0, 1] below which it is dim.
+#: A photo is dim if the median of its grey values in [0, 1] is below this.
 DIM = 0.35
-#: Horizontal field of view in degrees from which on a photo is wide.
+#: A photo is wide if its horizontal field of view in degrees is at least this.
 WIDE_DEG = 65.0
-#: Share of truth that is other (doors and windows included) from which on a room is furnished.
+#: A room is furnished if at least this share of its true labels is other (with doors and windows).
 FURNISHED = 0.4
 
 
 @dataclass(frozen=True)
 class Measured:
-    """How one photo was labelled."""
+    """How well one photo was labelled."""
 
     name: str
-    matrix: np.ndarray  #: of :func:`.data.confusion`, doors and windows not asked for
-    #: (BINS, 3) float64: pixels, sum of their confidence, how many are right, by confidence.
+    matrix: np.ndarray  #: of :func:`.data.confusion`, with doors and windows predicted as other
+    #: (BINS, 3) float64, for each bin: pixels, sum of their confidence, number of right pixels.
     bins: np.ndarray
     dim: bool
     wide: bool
     furnished: bool
-    openings: np.ndarray | None  #: the same, asked for; None where the truth tells none
+    openings: np.ndarray | None  #: `matrix` with predicted openings; None if the truth has none
 
 
 def folder_photos(folder: Path) -> Iterator[LabelledPhoto]:
@@ -71,7 +71,7 @@ def flat_photos(folder: Path) -> Iterator[LabelledPhoto]:
         yield LabelledPhoto(mask.stem, image, labels, openings=True)
 
 
-#: Readers of sets by the layout's name; a data set's is that of its split.
+#: Reader of a set by the name of its layout; a synthetic data set's layout is its split's name.
 LAYOUTS: dict[str, Callable[[Path], Iterator[LabelledPhoto]]] = {
     "folder": folder_photos,
     "flat": flat_photos,
@@ -81,7 +81,7 @@ LAYOUTS: dict[str, Callable[[Path], Iterator[LabelledPhoto]]] = {
 
 
 def read_sets(table: Path) -> dict[str, tuple[str, Path]]:
-    """Return layout and folder by set of a CSV with the columns name, layout, path.
+    """Return layout and folder of each set in a CSV with the columns name, layout, path.
 
     Paths are absolute or relative to the table.
     """
@@ -95,7 +95,7 @@ def read_sets(table: Path) -> dict[str, tuple[str, Path]]:
 
 
 def measure(segmenter: Segmenter, photo: LabelledPhoto) -> Measured:
-    """Return how a photo is labelled as in the masks stage: told the camera that a draft gives."""
+    """Label a photo as the masks stage does (camera estimated with a draft); return the scores."""
     image, true = photo.image, photo.labels
     size = (true.shape[0], true.shape[1])
     camera = estimate_camera(image, segmenter.draft(image))
@@ -117,13 +117,13 @@ def measure(segmenter: Segmenter, photo: LabelledPhoto) -> Measured:
 
 
 def confidence_bins(confidence: np.ndarray, labels: np.ndarray, true: np.ndarray) -> np.ndarray:
-    """Return (BINS, 3) float64: pixels, sum of confidence and how many are right, by confidence.
+    """Return (BINS, 3) float64, for each bin: pixels, sum of confidence, number of right pixels.
 
     Parameters
     ----------
     confidence : (h, w) float32 in [0, 1]
     labels, true : (h, w) uint8
-        Doors and windows count as other; 255 is left out of the truth.
+        Doors and windows count as other; pixels whose truth is 255 do not count.
     """
     scored = true != IGNORE
     sure, labels, true = confidence[scored], labels[scored], true[scored]
@@ -134,13 +134,13 @@ def confidence_bins(confidence: np.ndarray, labels: np.ndarray, true: np.ndarray
 
 
 def calibration_error(bins: Sequence[np.ndarray]) -> float:
-    """Return the expected calibration error: mean gap between confidence and accuracy of bins."""
+    """Return the expected calibration error: the mean gap of confidence and accuracy over bins."""
     total = np.sum(bins, axis=0)
     return float(np.abs(total[:, 1] - total[:, 2]).sum() / total[:, 0].sum())
 
 
 def figures(photos: Sequence[Measured]) -> list[float]:
-    """Return a row: IoU of the four labels, surfaces' mean, openings, accuracy, calibration."""
+    """Return a table row: IoU of four labels, mean of surfaces, openings, accuracy, calibration."""
     found = scores([photo.matrix for photo in photos])
     told = [photo.openings for photo in photos if photo.openings is not None]
     openings = scores(told).openings if told else float("nan")
@@ -148,7 +148,7 @@ def figures(photos: Sequence[Measured]) -> list[float]:
     return [*found.iou, found.surfaces, openings, found.accuracy, error]
 
 
-#: Groups that a set is split by, and whether a photo is in one.
+#: Groups of photos, each with a function that says whether a photo is in it.
 GROUPS: dict[str, Callable[[Measured], bool]] = {
     "dim": lambda photo: photo.dim,
     "bright": lambda photo: not photo.dim,
@@ -160,7 +160,7 @@ GROUPS: dict[str, Callable[[Measured], bool]] = {
 
 
 def _confidence_of(logits: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-    """Return (h, w) float32 at `size`: how likely each pixel has its label of `labels_of`."""
+    """Return (h, w) float32 at `size`: the probability of each pixel's label of `labels_of`."""
     four = surface_logits(logits)
     powers = np.exp(four - four.max(axis=0))
     best = powers.max(axis=0) / powers.sum(axis=0)

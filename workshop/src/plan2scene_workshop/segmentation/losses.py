@@ -1,4 +1,4 @@
-"""What the segmentation network is trained by: its labels, and what else the renderer knows."""
+"""Losses of the segmentation network: of labels, of teachers, and of rendered normals and depth."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ _OTHERS = [OTHER, DOOR, WINDOW]
 
 
 class GeometryHead(nn.Module):
-    """A segmentation network with a further head, of training alone: normals and depth.
+    """A segmentation network with a further head for training only: normals and depth.
 
-    What is a wall and what a wardrobe is a question of shape; who knows the shape of a room asks
-    less of its colours. Shapes: as the network's, and (n, 4, h / 4, w / 4): normal, log depth.
+    Walls differ from wardrobes in shape. A network that knows the shape of a room relies less on
+    colours. Shapes: the network's, and (n, 4, h / 4, w / 4) for normal and log depth.
     """
 
     def __init__(self, network: SegmentationNet) -> None:
@@ -47,12 +47,12 @@ def segmentation_loss(
     Parameters
     ----------
     logits : (n, 4 or 6, h / 2, w / 2) float32
-        Brought to the labels' size first, so that borders are learned at full resolution.
+        Resized to the labels' size first, so that borders are learned at full resolution.
     labels : (n, h, w) int64
         255 is left out.
     openings : (n,) bool, optional
-        Whether the truth tells doors and windows (all do by default); where not, what is other may
-        be any of the three.
+        Whether the true labels include doors and windows (by default all do). If not, the label
+        other stands for any of other, door and window.
     """
     logits = F.interpolate(logits, size=labels.shape[1:], mode="bilinear")
     log = logits.log_softmax(dim=1)
@@ -69,7 +69,7 @@ def segmentation_loss(
         spread = -(log * counted).sum(dim=1) / counted.sum(dim=1)
         miss = (1 - smoothing) * miss + smoothing * spread
     loss = (miss * kept).sum() / kept.sum().clamp(min=1)
-    # Of four labels: one overlap for doors would buy many false ones, which are walls.
+    # Dice of four labels: with doors in it, a rise of their overlap would cost many wall pixels.
     found = log.exp()
     found = torch.cat([1 - found[:, 1:DOOR].sum(dim=1, keepdim=True), found[:, 1:DOOR]], dim=1)
     target = F.one_hot(true.where(true < DOOR, OTHER), DOOR).permute(0, 3, 1, 2) * kept[:, None]
@@ -82,14 +82,14 @@ def segmentation_loss(
 def distillation_loss(
     logits: torch.Tensor, taught: torch.Tensor, labels: torch.Tensor
 ) -> torch.Tensor:
-    """Return the mean Kullback-Leibler divergence of a network's answers from its teachers'.
+    """Return the mean Kullback-Leibler divergence of a network's output from its teachers'.
 
     Parameters
     ----------
     logits, taught : (n, labels, h / 2, w / 2) float32
         The network's logits and its teachers' averaged ones (Hinton et al. 2015, arXiv 1503.02531).
     labels : (n, h, w) int64
-        Where they are 255 there is no photo, and nothing to learn.
+        Pixels with 255 (outside the photo, or in a view without teachers) do not count.
     """
     kept = labels[:, ::2, ::2] != IGNORE
     apart = F.kl_div(
@@ -99,7 +99,7 @@ def distillation_loss(
 
 
 def geometry_loss(found: torch.Tensor, normals: torch.Tensor, depths: torch.Tensor) -> torch.Tensor:
-    """Return the mean of 1 - cosine of normals, and the spread of log depth about each view's own.
+    """Return the mean of 1 - cosine of normals plus the mean error of log depth up to view scale.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Statistics of features mixed between the views of a step: looks that no rendering has."""
+"""Mixing of feature statistics between the views of a step: looks that no rendering has."""
 
 from __future__ import annotations
 
@@ -9,15 +9,16 @@ from torch.utils.hooks import RemovableHandle
 
 from plan2scene.photos.labels.network import SegmentationNet
 
-#: Parameter of the beta distribution that shares are drawn from: mostly near 0 or 1.
+#: Parameter of the beta distribution of the mixing shares: most shares are near 0 or 1.
 _ALPHA = 0.3
 
 
 def mix_statistics(network: SegmentationNet, chance: float) -> list[RemovableHandle]:
-    """Let a network in training mode see features of mixed statistics; return what ends it.
+    """Mix the feature statistics of a network in training mode; return the hooks, to remove later.
 
-    At each of the strides 2, 4 and 8, a step's features are mixed by `chance`, each view's with
-    another's (MixStyle, Zhou et al. 2021, https://arxiv.org/abs/2104.02008). Choices are torch's.
+    At each of the strides 2, 4 and 8, a step's features are mixed with probability `chance`, each
+    view's with another's (MixStyle, Zhou et al. 2021, https://arxiv.org/abs/2104.02008). The random
+    numbers are torch's.
     """
 
     def hook(module: torch.nn.Module, _: Any, features: torch.Tensor) -> torch.Tensor:
@@ -30,9 +31,9 @@ def mix_statistics(network: SegmentationNet, chance: float) -> list[RemovableHan
 
 
 def mixed(features: torch.Tensor) -> torch.Tensor:
-    """Return features (n, c, h, w) whose channels have means and deviations of two views' mixture.
+    """Return features (n, c, h, w) with channel means and deviations mixed from two views.
 
-    A view's own share comes from a beta distribution; where things are stays as it was.
+    The share of a view's own statistics comes from a beta distribution. Positions do not change.
     """
     n, x = len(features), features.float()
     with torch.no_grad():

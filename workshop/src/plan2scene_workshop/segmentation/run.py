@@ -65,7 +65,7 @@ def train_segmentation(
     """
     further = settings.further.split(":") if settings.further else []
     roots = [data_root, *further]
-    # Stored a little larger than views, so that zooming in shows more than blur.
+    # Photos are stored a little larger than views, so that a view that zooms in is not blurred.
     stored = round(settings.long_side * 1.5)
     photos = _photos([data_root], "train", stored)
     photos += [replace(photo, taught=False) for photo in _photos(further, "train", stored)]
@@ -111,10 +111,10 @@ def averaged_runs(
     seed: int,
     checkpoint: Path | None = None,
 ) -> Trained[SegmentationNet]:
-    """Return the mean of the runs' networks and of the one they started from, by their shares.
+    """Return the weighted mean of the runs' networks and of the network that they started from.
 
-    The first run has `seed`, the others seeds derived from it. Each has a checkpoint of its own;
-    those beside `checkpoint` are gone after the last run.
+    The first run has `seed`, the others have seeds derived from it. Each run has its own
+    checkpoint; all but `checkpoint` are deleted after the last run.
     """
     _check(settings)
     start = _begun(settings, seed)
@@ -142,7 +142,7 @@ def averaged_runs(
 
 
 def _check(settings: SegmentationSettings) -> None:
-    """Refuse settings that no type tells wrong."""
+    """Raise InputError for settings out of their range."""
     runs, share = settings.runs, settings.start_share
     chances = settings.distillation, settings.mixing
     if runs >= 1 and 0 <= share < 1 and all(0 <= chance <= 1 for chance in chances):
@@ -155,7 +155,7 @@ def _check(settings: SegmentationSettings) -> None:
 
 
 def _begun(settings: SegmentationSettings, seed: int) -> SegmentationNet:
-    """Return the network that runs start from."""
+    """Return the network that all runs start from."""
     torch.manual_seed(derive_seed(seed, "segmentation", "weights"))
     if settings.imagenet:
         return _with_imagenet(settings)
@@ -172,9 +172,9 @@ def _begun(settings: SegmentationSettings, seed: int) -> SegmentationNet:
 
 
 def _with_imagenet(settings: SegmentationSettings) -> ImagenetSegmentationNet:
-    """Return a network of the weights to start from.
+    """Return a network with an ImageNet network and the weights of `settings.start`.
 
-    Where these know no network of ImageNet, it adds nothing yet.
+    If these weights have no ImageNet part, that part adds nothing yet.
     """
     expected = "training.segmentation.start: weights of an ensemble"
     if settings.start is None:
@@ -191,7 +191,7 @@ def _with_imagenet(settings: SegmentationSettings) -> ImagenetSegmentationNet:
 
 
 def mean_weights(states: Sequence[tuple[float, Mapping[str, torch.Tensor]]]) -> dict[str, Any]:
-    """Return the weighted mean of state dicts of one architecture; whole numbers as the last's."""
+    """Return the weighted mean of state dicts of one architecture; integers are the last one's."""
     last = states[-1][1]
     return {
         name: sum(share * state[name] for share, state in states)
@@ -209,7 +209,7 @@ def _photos(roots: Sequence[str | Path], split: str, long_side: int) -> list[Lab
 
 
 def _with(network: SegmentationNet, files: str | None) -> Network:
-    """Return a network with those of weights files, joined by ``:``, beside it."""
+    """Return the ensemble of a network and those of weights files (joined by ``:``), if any."""
     if not files:
         return network
     members: list[Network] = [network]
@@ -221,7 +221,7 @@ def _with(network: SegmentationNet, files: str | None) -> Network:
 
 
 def _mean_of(network: Network) -> Mapping[str, torch.Tensor]:
-    """Return a network's weights; of an ensemble the mean of its members'."""
+    """Return a network's weights; for an ensemble, the mean of its members' weights."""
     if isinstance(network, SegmentationNet):
         return network.state_dict()
     share = 1 / len(network.members)
@@ -229,9 +229,10 @@ def _mean_of(network: Network) -> Mapping[str, torch.Tensor]:
 
 
 def start_from(network: SegmentationNet, path: str | Path) -> None:
-    """Give a network the weights of a file where names and shapes agree; of several the mean.
+    """Copy the weights of a file into a network where names and shapes agree.
 
-    Labels that the file's network does not tell, doors and windows, begin as its other.
+    Of an ensemble, the mean of the members is copied. If the file's network does not know doors
+    and windows, their weights start as copies of those of other.
     """
     own = network.state_dict()
     for name, value in _mean_of(load_segmenter(path).network).items():
@@ -245,9 +246,9 @@ def start_from(network: SegmentationNet, path: str | Path) -> None:
 
 
 def ensemble_of(networks: Sequence[nn.Module]) -> Ensemble:
-    """Return the ensemble of networks of the first's shapes; constants are the first's, too.
+    """Return the ensemble of networks; its architecture and constants are the first one's.
 
-    RuntimeError for a network of other shapes.
+    RuntimeError if a network's shapes differ from the first one's.
     """
     architecture: dict[str, Any] = networks[0].architecture  # type: ignore[assignment]
     ensemble = Ensemble(members=len(networks), **architecture)

@@ -1,6 +1,6 @@
-"""Surfaces of photos tinted and made of other materials, label by label.
+"""Augmentation that tints surfaces of photos or replaces their materials, label by label.
 
-By hand: augmentation libraries change a picture as a whole, none one surface in its perspective.
+Augmentation libraries change only whole pictures; none changes one surface in its perspective.
 """
 
 from __future__ import annotations
@@ -19,16 +19,17 @@ Array = np.ndarray
 Rng = np.random.Generator
 #: Side of the tiles in pixels.
 SIDE = 128
-#: Other with a known normal, by where it faces: tops of beds and tables, fronts of cupboards.
+#: Extra labels for pixels of other whose normal is known: horizontal tops (beds, tables) and
+#: vertical fronts (cupboards).
 TOP, FRONT = len(LABELS_AND_OPENINGS), len(LABELS_AND_OPENINGS) + 1
-#: How likely each label is chosen for another material, before its neighbours' shares: floors,
-#: ceilings and what is easily taken for them most.
+#: Relative probability that a label gets another material (others: 1). Floors, ceilings and what
+#: is easily mistaken for them are chosen most often.
 WEIGHTS = {FLOOR: 2.0, CEILING: 2.0, TOP: 2.0, FRONT: 1.5}
 
 
 @lru_cache(maxsize=1)
 def surface_tiles() -> tuple[Array, ...]:
-    """Return the tiles (128, 128, 3) uint8 sRGB that are laid over surfaces: always the same."""
+    """Return the fixed set of tiles (128, 128, 3) uint8 sRGB that are laid over surfaces."""
     rng = generator(0, "augmentation tiles")
     tiles = [
         random_material(substance, int(rng.integers(2**62)), size_px=SIDE).albedo
@@ -39,7 +40,7 @@ def surface_tiles() -> tuple[Array, ...]:
 
 
 def recolour_labels(image: Array, labels: Array, rng: Rng) -> Array:
-    """Return the photo with each label's pixels tinted on their own, shading kept."""
+    """Return the photo with the pixels of each label tinted separately; shading is kept."""
     gains = np.ones((256, 3), np.float32)
     for label in range(len(LABELS_AND_OPENINGS)):
         if label != OTHER and rng.random() < 0.6:
@@ -49,10 +50,10 @@ def recolour_labels(image: Array, labels: Array, rng: Rng) -> Array:
 
 
 def faced(labels: Array, geometry: Array | None) -> Array:
-    """Return labels (h, w) uint8 with other as `TOP` or `FRONT` where its normal is known.
+    """Return labels (h, w) uint8 in which other is `TOP` or `FRONT` where its normal says so.
 
     `geometry` (h, w, 4) is normals in camera axes, y down, and depth; cameras look nearly level.
-    What lies on the floor, a rug, stays other: nothing but its material tells it from the floor.
+    Things that lie on the floor (rugs) stay other: only their material distinguishes them from it.
     """
     if geometry is None:
         return labels
@@ -64,7 +65,7 @@ def faced(labels: Array, geometry: Array | None) -> Array:
 
 
 def _on_floor(labels: Array, depth: Array) -> Array:
-    """Return where (h, w) a depth is that of the floor's plane, which is linear in its inverse."""
+    """Return which pixels (h, w) lie on the floor's plane: inverse depth is linear on a plane."""
     rows, columns = np.nonzero((labels == FLOOR) & (depth > 0))
     if len(rows) < 50:
         return np.zeros(labels.shape, bool)
@@ -78,10 +79,10 @@ def _on_floor(labels: Array, depth: Array) -> Array:
 
 
 def retexture(image: Array, labels: Array, rng: Rng) -> Array:
-    """Return the photo with one label's surface of another material, its shading kept.
+    """Return the photo with another material on the surface of one label; shading is kept.
 
     The tile lies in perspective on floors, ceilings and tops, flat on walls and things. `labels`
-    as of :func:`faced`.
+    are the result of :func:`faced`.
     """
     found = [k for k in range(FRONT + 1) if (labels == k).mean() > 0.02]
     if not found:
@@ -95,10 +96,10 @@ def retexture(image: Array, labels: Array, rng: Rng) -> Array:
     tiles = surface_tiles()
     tile = tiles[int(rng.integers(len(tiles)))].astype(np.float32)
     shading = (grey + 8) / (np.median(grey) + 8)
-    if label == OTHER:  # keeps what tells one thing from another
+    if label == OTHER:  # full shading: it separates the things
         shading = np.clip(shading, 0.15, 2)
     else:
-        # Old material goes, broad light and shade stay.
+        # Remove the old material, but keep broad light and shade.
         soft = cv2.blur(np.where(inside, cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), 0), (9, 9))
         weight = cv2.blur(inside.astype(np.float32), (9, 9))
         soft = soft / np.maximum(weight, 1e-3)
@@ -108,7 +109,7 @@ def retexture(image: Array, labels: Array, rng: Rng) -> Array:
     u, v = _tile_places(label, rows, columns, labels.shape, rng)
     texel = tile[v.astype(np.int32) % SIDE, u.astype(np.int32) % SIDE]
     mean = tile.mean(axis=(0, 1))
-    # Between the old average colour and the tile's own.
+    # A colour between the old average colour and the tile's own.
     own = rng.uniform(0.2, 1.0)
     texel = texel * (own + (1 - own) * pixels.mean(axis=0) / np.maximum(mean, 8))
     result = image.copy()
@@ -119,7 +120,7 @@ def retexture(image: Array, labels: Array, rng: Rng) -> Array:
 def _tile_places(
     label: int, rows: Array, columns: Array, size: tuple[int, int], rng: Rng
 ) -> tuple[Array, Array]:
-    """Return the tile positions (n,), (n,) float32 in tile pixels, of photo pixels."""
+    """Return where photo pixels lie on the tile: (n,), (n,) float32 in tile pixels."""
     height, width = size
     scale = SIDE * np.exp(rng.uniform(-0.3, 1.6))
     angle = rng.choice([0.0, np.pi / 2, rng.uniform(0, np.pi)])

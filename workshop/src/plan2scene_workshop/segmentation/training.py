@@ -38,12 +38,12 @@ from plan2scene_workshop.segmentation.settings import SegmentationSettings
 from plan2scene_workshop.training.loop import Trained, Trainer, TrainerOptions, best_device, cosine
 
 _Drawn = TypeVar("_Drawn")
-#: Parameters that no weights to start from hold.
+#: Names of parameters that are not in the weights that training starts from.
 _FRESH = re.compile("adapters|geometry")
 
 
 def estimated_cameras(photos: Sequence[LabelledPhoto]) -> list[Camera | None]:
-    """Return the camera of each photo as its line segments alone tell it; None when they do not."""
+    """Return each photo's camera, estimated from its line segments; None if that fails."""
     found = [estimate_camera(photo.image) for photo in photos]
     return [None if camera.fallback else camera for camera in found]
 
@@ -51,14 +51,14 @@ def estimated_cameras(photos: Sequence[LabelledPhoto]) -> list[Camera | None]:
 def evaluate(
     network: SegmentationNet, photos: Sequence[LabelledPhoto], cameras: Sequence[Camera | None]
 ) -> Scores:
-    """Return the scores of a network on whole photos, told their estimated cameras."""
+    """Return the scores of a network on whole photos with their estimated cameras."""
     return scores([matrix for matrix, _ in answers(network, photos, cameras)])
 
 
 def answers(
     network: Network, photos: Sequence[LabelledPhoto], cameras: Sequence[Camera | None]
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Yield each photo's confusion matrix and its logits as of :meth:`Segmenter.logits`."""
+    """Yield each photo's confusion matrix and its logits of :meth:`Segmenter.logits`."""
     segmenter = Segmenter(copy.deepcopy(network).cpu())
     for photo, camera in zip(photos, cameras, strict=True):
         size = (photo.labels.shape[0], photo.labels.shape[1])
@@ -75,9 +75,9 @@ def train_network(
     seed: int,
     checkpoint: Path | None = None,
 ) -> Trained[SegmentationNet]:
-    """Return the averaged network that did best on `held_out` (mean IoU).
+    """Train; return the averaged network with the best mean IoU on `held_out`.
 
-    It starts from the weights of `network`, or goes on from a checkpoint of this run.
+    Training starts from the weights of `network`, or continues from a checkpoint of this run.
     """
     device = best_device()
     told = settings.geometry > 0 and any(photo.geometry is not None for photo in photos)
@@ -130,7 +130,7 @@ def train_network(
 
 
 def _teachers(settings: SegmentationSettings, device: str) -> list[Network]:
-    """Return the networks that a run learns from beside its labels."""
+    """Return the teachers: networks that a run learns from in addition to the labels."""
     files = settings.teachers.split(":") if settings.teachers else []
     networks = [load_segmenter(file).network.to(device).requires_grad_(False) for file in files]
     return [network.to(memory_format=torch.channels_last) for network in networks]  # type: ignore[call-overload]
@@ -144,7 +144,7 @@ def _losses(
     *,
     told: bool,
 ) -> dict[str, torch.Tensor]:
-    """Return the parts of a batch's loss; those of teachers and of geometry where there are any."""
+    """Return the parts of a batch's loss: labels, and teachers and geometry if there are any."""
     logits, geometry = whole(batch.images, batch.elevations)
     taught = batch.taught & bool(teachers)
     share = settings.distillation * taught.float().mean()
@@ -168,7 +168,7 @@ def _losses(
 def _labels_loss(
     logits: torch.Tensor, batch: Batch, settings: SegmentationSettings, views: torch.Tensor
 ) -> torch.Tensor:
-    """Return the loss of some views' labels; `views` is (n,) bool."""
+    """Return the loss of the labels of the views that `views` (n,) bool chooses."""
     if not views.any():
         return logits.new_zeros((), dtype=torch.float32)
     return segmentation_loss(
@@ -181,9 +181,9 @@ def _labels_loss(
 
 
 class Ahead(Generic[_Drawn]):
-    """Draws the batches of the next steps while the present one is learned from.
+    """Draws the batches of the next steps in other threads while the present step is computed.
 
-    A batch depends on its step alone, so it is the same whoever draws it and when.
+    A batch depends only on its step, so threads and timing do not change it.
     """
 
     def __init__(self, draw: Callable[[int], _Drawn], steps: int, *, workers: int) -> None:
@@ -206,9 +206,9 @@ def take_statistics(
     *,
     seed: int,
 ) -> None:
-    """Take the means and variances of batch norm anew, from views at both sizes and a larger one.
+    """Compute the means and variances of batch norm anew, from views of three sizes.
 
-    Those of `settings.statistics` batches count alike.
+    They are plain means over `settings.statistics` batches.
     """
     norms = [module for module in network.modules() if isinstance(module, nn.BatchNorm2d)]
     kept = [norm.momentum for norm in norms]
@@ -231,7 +231,7 @@ def take_statistics(
 def parameter_groups(
     network: nn.Module, decay: float, fresh_rate: float | None = None
 ) -> list[dict[str, Any]]:
-    """Return optimiser groups: no weight decay on norms and biases, a rate for what is fresh."""
+    """Return optimiser groups: no weight decay for norms and biases, `fresh_rate` for `_FRESH`."""
     trained = [(name, p) for name, p in network.named_parameters() if p.requires_grad]
     fresh = {name for name, _ in trained if fresh_rate and _FRESH.search(name)}
     groups = []
@@ -252,7 +252,7 @@ def draw_batch(
 ) -> Batch:
     """Return augmented views of photos drawn at random.
 
-    Views are `long` pixels on their longer side and lie, stand or are square.
+    A batch is landscape or portrait, with `long` pixels on the longer side, or square and smaller.
     """
     short = round(long * 0.75 / 32) * 32
     size = [(short, long), (long, short), (short, short)][rng.choice(3, p=[0.65, 0.2, 0.15])]
@@ -264,10 +264,10 @@ def draw_batch(
 def told_elevation(
     photo: LabelledPhoto, settings: SegmentationSettings, rng: np.random.Generator
 ) -> np.ndarray:
-    """Return the elevation map (h, w) float32 that the network is told of a photo.
+    """Return the elevation map (h, w) float32 that the network gets with a photo, with noise.
 
-    NaN where it stays unknown this time: a camera is estimated with an error at inference, and
-    sometimes not at all, so the network must not trust the map to the degree.
+    At random it is all NaN (unknown). At inference a camera has an error, and sometimes there is
+    none, so the network must not trust the map too exactly.
     """
     size = (photo.labels.shape[0], photo.labels.shape[1])
     if photo.horizon is None or rng.random() >= settings.elevation_known:

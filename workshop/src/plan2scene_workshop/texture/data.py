@@ -32,17 +32,17 @@ class TextureSet:
         return len(self.tiles)
 
     def of(self, chosen: np.ndarray) -> TextureSet:
-        """Return those that a mask (n,) bool or indices (k,) choose."""
+        """Return the textures that a mask (n,) bool or indices (k,) choose."""
         return TextureSet(self.tiles[chosen], self.substances[chosen], self.scanned[chosen])
 
 
 @dataclass(frozen=True)
 class MaterialSettings:
-    """What the texture models and the features network learn from and are measured on."""
+    """Textures that the texture models and the features network are trained and measured on."""
 
-    procedural: int = 1600  #: materials to learn from, as many of each substance
-    held_out: int = 320  #: others to measure with
-    folder: str | None = None  #: real tileable textures beside them, with splits train and val
+    procedural: int = 1600  #: number of training materials, the same number of each substance
+    held_out: int = 320  #: number of other materials, to measure with
+    folder: str | None = None  #: folder of additional real textures, with splits train and val
 
 
 def procedural_textures(count: int, seed: int) -> TextureSet:
@@ -86,7 +86,7 @@ def write_materials(path: str | Path, settings: MaterialSettings, seed: int) -> 
 
 
 def read_materials(path: str | Path) -> tuple[TextureSet, dict[str, TextureSet]]:
-    """Return the textures to learn from, and those held out: ``procedural``, perhaps ``real``."""
+    """Return the training textures, and the held-out ones: ``procedural``, perhaps ``real``."""
     with np.load(path, allow_pickle=False) as stored:
         learning = stored["learning"]
         whole = TextureSet(stored["tiles"], stored["substances"], stored["scanned"])
@@ -95,7 +95,7 @@ def read_materials(path: str | Path) -> tuple[TextureSet, dict[str, TextureSet]]
 
 
 def seen_textures(textures: TextureSet) -> list[str]:
-    """Return what a model card says of the textures that were learnt from."""
+    """Return the model card's lines about the training textures."""
     real = int(textures.scanned.sum())
     return [
         f"{len(textures) - real} procedural materials.",
@@ -105,10 +105,10 @@ def seen_textures(textures: TextureSet) -> list[str]:
 
 
 def sampling_weights(textures: TextureSet, scanned_share: float) -> np.ndarray:
-    """Return how often each texture is drawn, (n,) summing to 1.
+    """Return the probability that each texture is drawn, (n,) summing to 1.
 
-    Every substance is drawn equally often within scanned and within procedural textures; scanned
-    ones take `scanned_share` of all draws where there are any.
+    Within scanned and within procedural textures, every substance is drawn equally often. Scanned
+    textures, if there are any, take `scanned_share` of all draws.
     """
     weights = np.zeros(len(textures))
     shares = {True: scanned_share, False: 1.0 - scanned_share}
@@ -122,7 +122,7 @@ def sampling_weights(textures: TextureSet, scanned_share: float) -> np.ndarray:
 
 
 def random_crop(tile: np.ndarray, rng: np.random.Generator, *, closest_px: int) -> np.ndarray:
-    """Return a random 128x128 crop of a tile: toroidal shift, scale, flips, quarter turns.
+    """Return a random 128x128 crop of a tile: toroidal shift, scale, flips, a quarter turn or none.
 
     Parameters
     ----------
@@ -149,8 +149,8 @@ def draw_crops(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return random crops (n, 128, 128, 3) uint8 and their substances (n,) int64.
 
-    `closest_px` is the smallest window of procedural tiles; scanned ones (which were upsampled) are
-    not looked at as closely.
+    `closest_px` is the smallest window of procedural tiles. For scanned ones, which were upsampled,
+    the smallest window is larger.
     """
     chosen = rng.choice(len(textures), size=count, p=weights)
     sides = np.where(textures.scanned[chosen], (TILE_PX + closest_px) // 2, closest_px)

@@ -1,9 +1,9 @@
-"""Degradation: what photos of a room make of a clean texture.
+"""Degradation of clean textures to look like crops of room photos.
 
-Light acts first: a smooth gain field, at times a soft shadow edge or a highlight. Then the camera:
+Light acts first: a smooth gain field, sometimes a soft shadow edge or a highlight. Then the camera:
 a colour cast, lost resolution, blur, noise and JPEG compression. :func:`degrade` is the protocol
-that texture methods are measured against: crops are windows of the repeated tile at a random place,
-scale and slant, and what a method makes of them is compared with the clean tile. Training spoils
+for measuring texture methods: crops are windows of the repeated tile at a random position, scale
+and rotation, and a method's result from them is compared with the clean tile. Training degrades
 its crops by :func:`photograph`.
 """
 
@@ -23,27 +23,27 @@ CROP_PX = 128
 
 @dataclass(frozen=True)
 class Degradation:
-    """How crops are spoiled; the defaults are the protocol of the published figures."""
+    """Parameters of the degradation; the defaults are the protocol of the published figures."""
 
     window_share: float = 0.75  #: side of a window over the tile's, before scaling (96 of 128 px)
     scale: tuple[float, float] = (0.8, 1.25)  #: range of the factor on the window's side
-    rotation_deg: float = 3.0  #: largest slant to either side
-    turn_deg: float = 0.0  #: turn of all crops, before the slant
+    rotation_deg: float = 3.0  #: largest random rotation to either side
+    turn_deg: float = 0.0  #: fixed rotation of all crops, added to the random one
 
     gain: float = 0.25  #: largest deviation of the smooth gain field from 1
     keep_median: bool = False  #: divide the gain field by its median: the median colour stays
-    shadow_share: float = 1 / 3  #: of the crops, those with a shadow edge
-    highlight_share: float = 1 / 6  #: of the crops, those with a highlight
+    shadow_share: float = 1 / 3  #: share of crops with a shadow edge
+    highlight_share: float = 1 / 6  #: share of crops with a highlight
     white_balance: float = 0.05  #: largest deviation of the red and the blue factor from 1
-    exposure: float = 0.0  #: largest deviation of all colours' factor from 1
+    exposure: float = 0.0  #: largest deviation from 1 of the factor on all colours
 
-    resolution: float = 1.0  #: least share of the crop's pixels in a row that the photo has
+    resolution: float = 1.0  #: smallest photo resolution, relative to the crop's pixels in a row
     blur_px: tuple[float, float] = (0.4, 0.8)  #: range of the blur's sigma in crop pixels
-    noise: float = 0.0  #: largest deviation of the noise, of 255 levels
+    noise: float = 0.0  #: largest standard deviation of the noise, of 255 levels
     jpeg_quality: tuple[int, int] = (70, 70)  #: range, both ends included
 
 
-#: Inputs of the texture models: their colour is the crop's median, so that has to stay.
+#: Inputs of the texture models. These take the colour from the crop's median, so that must stay.
 UNEVEN_LIGHT = Degradation(
     gain=0.35,
     keep_median=True,
@@ -54,7 +54,7 @@ UNEVEN_LIGHT = Degradation(
     noise=3.0,
     jpeg_quality=(98, 100),
 )
-#: What crops of real photos are like at worst: distant, dim, badly lit.
+#: Like the worst crops of real photos: distant, dim, badly lit.
 ROOM_PHOTO = Degradation(
     gain=0.5,
     shadow_share=0.3,
@@ -70,7 +70,7 @@ ROOM_PHOTO = Degradation(
 
 @dataclass(frozen=True, eq=False)
 class DegradedCrop:
-    """A spoiled crop and what was done to it."""
+    """A degraded crop and the degradation that was drawn for it."""
 
     image: np.ndarray  #: (128, 128, 3) uint8 sRGB
     side: float  #: of the window, in sides of the tile
@@ -84,9 +84,9 @@ def degrade(
 ) -> list[DegradedCrop]:
     """Return photo-like crops of a clean tileable texture; same seed, same bytes.
 
-    The tile (s, s, 3) is uint8 sRGB, ValueError for another. Places, light and casts are of each
-    crop on its own. The shares of shadows and highlights hold exactly over the crops (rounded to
-    whole crops); which crops get them is drawn.
+    The tile (s, s, 3) is uint8 sRGB; ValueError otherwise. Position, light and colour cast are
+    drawn for each crop. The shares of shadows and highlights hold exactly over the crops (rounded
+    to whole crops); which crops get them is random.
     """
     if tile.dtype != np.uint8 or tile.ndim != 3 or tile.shape[0] != tile.shape[1]:
         raise ValueError(f"expected (s, s, 3) uint8, found {tile.shape} {tile.dtype}")
@@ -120,7 +120,7 @@ def photograph(view: np.ndarray, rng: np.random.Generator, how: Degradation) -> 
 def photographed(
     crops: np.ndarray, rng: np.random.Generator, how: Degradation, share: float
 ) -> np.ndarray:
-    """Return crops (n, 128, 128, 3) uint8, a share of them as :func:`photograph` makes them."""
+    """Return crops (n, 128, 128, 3) uint8; each is degraded by :func:`photograph` at random."""
     spoiled = rng.random(len(crops)) < share
     pairs = zip(crops, spoiled, strict=True)
     return np.stack([photograph(crop, rng, how) if hit else crop for crop, hit in pairs])
@@ -129,9 +129,9 @@ def photographed(
 def _seen(
     view: np.ndarray, rng: np.random.Generator, how: Degradation, shadow: bool, highlight: bool
 ) -> np.ndarray:
-    """Return a spoiled view; light acts on linear values, what the camera does on sRGB ones.
+    """Return a degraded view; light acts on linear values, the camera on sRGB values.
 
-    What `how` leaves out draws nothing.
+    Exposure, resolution and noise draw no random numbers where `how` turns them off.
     """
     values = srgb_to_linear(view)
     gain = gain_field(rng, how.gain)
@@ -167,7 +167,7 @@ def window(tile: np.ndarray, centre: np.ndarray, side: float, angle_deg: float) 
     centre : (2,) float
         Middle of the window (x, y) in sides of the tile.
     side : float
-        Side of the window in sides of the tile; above 1 where the tile repeats in it.
+        Side of the window in sides of the tile; above 1 the tile repeats in the window.
     angle_deg : float
         The window's turn, from x towards y.
     """
@@ -187,7 +187,7 @@ def window(tile: np.ndarray, centre: np.ndarray, side: float, angle_deg: float) 
 
 
 def gain_field(rng: np.random.Generator, gain: float) -> np.ndarray:
-    """Return a smooth (128, 128) factor within 1 -+ `gain`, a random 3 x 3 grid interpolated."""
+    """Return a smooth (128, 128) factor in 1 -+ `gain`, interpolated from a random 3 x 3 grid."""
     grid = rng.uniform(-gain, gain, (3, 3))
     position = np.linspace(0.0, 2.0, CROP_PX, dtype=np.float32)
     across, down = np.meshgrid(position, position)
@@ -208,7 +208,7 @@ def _shadow(rng: np.random.Generator) -> np.ndarray:
 
 
 def _highlight(rng: np.random.Generator) -> np.ndarray:
-    """Return (128, 128) shares of white of an elliptic specular blob."""
+    """Return an elliptic specular blob: (128, 128) shares of white."""
     centre = rng.uniform(0.2, 0.8, 2)
     radius = rng.uniform(0.08, 0.2, 2)
     position = (np.arange(CROP_PX) + 0.5) / CROP_PX

@@ -1,4 +1,4 @@
-"""Losses of training besides texture statistics: metrics with gradients, and colours.
+"""Training losses other than texture statistics: differentiable metrics, and colours.
 
 Images are ``(n, 3, h, w) float32`` RGB in [0, 1].
 """
@@ -13,15 +13,15 @@ from plan2scene.metrics.color_freq_tile import periodic_component
 from plan2scene.textures.model.hsv import rgb_to_hsv
 from plan2scene.textures.model.statistics import OPPONENT, opponent
 
-#: Inner edges of the COLOR metric's bins of lightness and saturation, and how soft they are here.
+#: Inner edges of the COLOR metric's bins of lightness and saturation, and the softness used here.
 _THIRDS = (0.333, 0.666)
 _SOFTNESS = 0.015
 
 
 def histogram_distance(images: torch.Tensor, targets: torch.Tensor) -> torch.Tensor:
-    """Return (n,): L1 distance in [0, 1] of soft HSL histograms, the COLOR metric with gradients.
+    """Return (n,): L1 distance in [0, 1] of soft HSL histograms, a differentiable COLOR metric.
 
-    Bins as of :mod:`plan2scene.metrics.color_freq_tile`, their edges softened.
+    The bins are those of :mod:`plan2scene.metrics.color_freq_tile` with softened edges.
     """
     gap = _soft_histogram(images) - _soft_histogram(targets)
     return gap.abs().sum((1, 2)) / 2.0
@@ -44,16 +44,17 @@ def _soft_histogram(rgb: torch.Tensor) -> torch.Tensor:
 
 
 def _soft_bins(values: torch.Tensor, edges: Sequence[float]) -> torch.Tensor:
-    """Return (n, pixels, bins) memberships that sum to 1 of values (n, pixels)."""
+    """Return soft bin memberships (n, pixels, bins), summing to 1, of values (n, pixels)."""
     steps = ((values.unsqueeze(2) - values.new_tensor(edges)) / _SOFTNESS).sigmoid()
     ends = torch.ones_like(values).unsqueeze(2)
     return torch.cat([ends, steps], dim=2) - torch.cat([steps, torch.zeros_like(ends)], dim=2)
 
 
 def frequency_distance(tiles: torch.Tensor, targets: torch.Tensor) -> torch.Tensor:
-    """Return (n,): the FREQ metric with gradients, of tiles that repeat and crops that do not.
+    """Return (n,): a differentiable FREQ metric of tiles (periodic) and crops (not periodic).
 
-    Mean absolute difference of mean spectral amplitudes of grey values 0..255 by integer radius.
+    It is the mean absolute difference, over integer radii, of mean spectral amplitudes of grey
+    values 0..255.
     """
     grey = tiles.new_tensor(OPPONENT[0]).view(1, 3, 1, 1) * 255.0
     mine, theirs = ((rgb * grey).sum(1) for rgb in (tiles, targets))
@@ -82,8 +83,8 @@ def _radial_amplitude(images: torch.Tensor) -> torch.Tensor:
 def colour_distance(images: torch.Tensor, targets: torch.Tensor) -> torch.Tensor:
     """Return (n,): sliced Wasserstein distance of the colour distributions.
 
-    Along each RGB channel and the opponent axes: mean absolute difference of sorted values.
-    Images of both arguments have as many pixels.
+    It is the mean absolute difference of sorted values along each RGB channel and opponent axis.
+    Images of both arguments must have the same number of pixels.
     """
     sorted_values = []
     for rgb in (images, targets):

@@ -27,7 +27,7 @@ from plan2scene_workshop.texture.training import train_texture_model
 from plan2scene_workshop.training.card import Card, table, write_card
 from plan2scene_workshop.training.loop import best_device
 
-#: Architecture of each embedded model: the paper's but for an encoder that a CPU can train.
+#: Architecture of each embedded model: the paper's, except for an encoder that a CPU can train.
 ARCHITECTURES: Mapping[str, Architecture] = {
     "texture": Architecture(width=192, encoder="statistics"),
     "naivesynth": Architecture(width=192, encoder="statistics", delta_hsv=False, substances=0),
@@ -55,8 +55,8 @@ def train_texture(
 ) -> None:
     """Train the model `name` (``texture`` or ``naivesynth``); write weights and card.
 
-    `materials` is a file of :func:`write_materials`; `checkpoint` is continued where it is of
-    this run.
+    `materials` is a file of :func:`write_materials`. Training continues from `checkpoint` if it is
+    of this run.
     """
     if name not in ARCHITECTURES:
         raise InputError(f"a model of {tuple(ARCHITECTURES)}", repr(name))
@@ -98,10 +98,10 @@ def train_texture(
 
 
 def measure(model: TextureModel, textures: TextureSet, seed: int) -> dict[str, float]:
-    """Return mean figures of decoding one clean crop of each texture at 128 px.
+    """Embed and decode one clean crop of each texture at 128 px; return mean figures.
 
     ``color``, ``freq``, ``tile`` (plan2scene.metrics), ``wrap`` (median of the tiles' wrap ratios),
-    ``substance`` (share named rightly; NaN without a head), ``textureness``.
+    ``substance`` (accuracy; NaN without a substance head), ``textureness``.
     """
     rng = generator(seed, "texture held out")
     crops = np.stack([random_crop(tile, rng, closest_px=192) for tile in textures.tiles])

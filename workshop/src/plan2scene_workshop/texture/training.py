@@ -1,7 +1,8 @@
 """Training of the texture models: Synth (delta-HSV, substance head) and NaiveSynth.
 
-The loss is the error of Gram matrices (of fixed filters, or of VGG-19), the log spectrum by
-sectors, the colour distribution, COLOR and FREQ with gradients, and cross-entropy of the substance.
+The loss is the sum of the errors of Gram matrices (of fixed filters, or of VGG-19), the log
+spectrum by sectors, the colour distribution, differentiable COLOR and FREQ, and the cross-entropy
+of the substance.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ def draw_batch(
 
 
 class TextureLoss:
-    """The loss of a random batch: of 64-px windows of tiles, or of whole tiles."""
+    """The loss of a random batch of 64-px windows of tiles, or of whole tiles."""
 
     def __init__(
         self, model: TextureModel, textures: TextureSet, settings: TextureSettings, device: str
@@ -91,7 +92,7 @@ def texture_trainer(
     device: str = "cpu",
     run: object = None,
 ) -> Trainer[TextureModel]:
-    """Return the run of a new texture model, its first step to come (see :func:`warm_up`)."""
+    """Return a trainer for a new texture model, before its first step (see :func:`warm_up`)."""
     torch.manual_seed(derive_seed(seed, "texture model"))
     model = TextureModel(architecture).to(device)
     model.decoder.low_precision = settings.low_precision
@@ -123,7 +124,7 @@ def train_texture_model(
 ) -> Trained[TextureModel]:
     """Return a trained texture model.
 
-    `checkpoint` is continued where it is of this run; `run` tells these textures from others.
+    Training continues from `checkpoint` if it is of this run; `run` identifies the textures.
     """
     trainer = texture_trainer(architecture, textures, settings, seed, device=device, run=run)
     if not trainer.resume(checkpoint):
@@ -134,7 +135,7 @@ def train_texture_model(
 def warm_up(
     model: TextureModel, textures: TextureSet, settings: TextureSettings, seed: int
 ) -> None:
-    """Train a statistics encoder alone to tell statistics and substance from its codes."""
+    """Train a statistics encoder alone, so that its codes keep the statistics and substance."""
     encoder, device = model.encoder, next(model.parameters()).device
     if not isinstance(encoder, StatisticsEncoder):
         return
@@ -156,7 +157,7 @@ def warm_up(
         return {
             "statistics": (probe(code) - targets[chosen]).square().mean(),
             "substance": 0.3 * _cross_entropy(encoding, labels[chosen]),
-            # The probe leaves the codes' size open: keep it near that of unit noise.
+            # The probe does not fix the size of the codes: keep it near that of unit noise.
             "size": 0.01 * (code.square().mean() - 1.0).square(),
         }
 

@@ -1,4 +1,4 @@
-"""Texture statistics of VGG-19, the paper's (``pretrained``): the weights are the user's."""
+"""Texture statistics of VGG-19 as in the paper (``pretrained``); the user supplies the weights."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from plan2scene.textures.model.statistics import FilterBankStatistics, gram
 _VGG19 = (2, 2, 4, 4, 1)
 #: Indices of the tapped convolutions (relu1_1 ... relu5_1) among torchvision's ``features``.
 _VGG19_TAPS = (0, 5, 10, 19, 28)
-#: What reading a file that holds no such weights raises.
+#: Errors that reading an unfit weights file raises.
 _UNFIT = (OSError, RuntimeError, ValueError, TypeError, KeyError, pickle.UnpicklingError)
 
 
@@ -60,7 +60,7 @@ def load_statistics(
 ) -> FilterBankStatistics | VggStatistics:
     """Return the texture statistics of a source.
 
-    ``embedded`` (of that many pyramid levels), or ``pretrained`` from `path`.
+    ``embedded`` has `levels` pyramid levels; ``pretrained`` reads its weights from `path`.
     """
     if source == "embedded":
         return FilterBankStatistics(levels).to(device)

@@ -1,4 +1,4 @@
-"""The model card: what a network saw, how it was trained, and how good it is, as Markdown."""
+"""The model card (Markdown): a network's training data, its training, and its accuracy."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ from plan2scene_workshop.training.loop import Trained
 
 @dataclass(frozen=True)
 class Card:
-    """What a model's card says."""
+    """The content of a model card."""
 
     name: str  #: of the model; its files are ``{name}.safetensors`` and ``{name}.md``
     what: str  #: paragraphs: what the network does
-    seen: Sequence[str]  #: a line for each kind of data that it learned from, or that it never saw
+    seen: Sequence[str]  #: lines: each kind of data that it was trained on, or has never seen
     settings: Any  #: a dataclass
     seed: int
-    figures: str  #: Markdown: what was measured, on what, and the table
-    limits: str = ""  #: what it does badly
+    figures: str  #: Markdown: what was measured, on which data, and the table
+    limits: str = ""  #: known weaknesses
 
 
 def write_card(path: str | Path, card: Card, trained: Trained[Any], weights: str | Path) -> None:
-    """Write the card of the network in file `weights` that a run ended with."""
+    """Write the card of a trained network whose weights are in file `weights`."""
     given = asdict(card.settings).items()
     settings = ", ".join(f"`{key}` {_setting(value)}" for key, value in given)
     target = f"results/training/models/{card.name}.safetensors"
@@ -61,7 +61,7 @@ def write_card(path: str | Path, card: Card, trained: Trained[Any], weights: str
 
 
 def machine() -> str:
-    """Return what this process computes with."""
+    """Return the name of the GPU, or the number of threads and the processor's type."""
     if torch.cuda.is_available():
         return torch.cuda.get_device_name()
     return f"{torch.get_num_threads()} thread(s) of {platform.machine()}"
@@ -74,7 +74,7 @@ def table(head: Sequence[str], rows: Mapping[str, Sequence[float | int | str]]) 
 
 
 def _setting(value: object) -> object:
-    """Return a value as the card shows it: a path by its last part."""
+    """Return a setting as the card shows it: of a path only the last part."""
     return Path(value).name if isinstance(value, str) else value
 
 
@@ -85,11 +85,11 @@ def _cell(value: float | int | str) -> str:
 
 
 def _filled(text: str) -> str:
-    """Return paragraphs (blank lines between them) in lines of 100 characters."""
+    """Return paragraphs (separated by blank lines) wrapped at 100 characters."""
     return "\n\n".join(textwrap.fill(part, 100) for part in text.strip().split("\n\n"))
 
 
 def _items(lines: Sequence[str]) -> str:
-    """Return a Markdown list in lines of 100 characters."""
+    """Return a Markdown list wrapped at 100 characters."""
     wrapped = (textwrap.wrap(line, 98, break_on_hyphens=False) for line in lines)
     return "\n".join("- " + "\n  ".join(parts) for parts in wrapped)

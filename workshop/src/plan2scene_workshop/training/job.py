@@ -1,4 +1,4 @@
-"""What the script of every training job does around its training."""
+"""The common frame of every training job's script: log, threads, seed and checkpoint."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from plan2scene.workflow.jobs import job
 
 @contextmanager
 def training_job(snakemake: Any) -> Iterator[dict[str, Any]]:
-    """Yield `seed` and `checkpoint` of a job; the checkpoint goes when the job ends well."""
+    """Yield `seed` and `checkpoint` of a job; delete the checkpoint if the job succeeds."""
     checkpoint = Path(snakemake.params.checkpoint)
     with job(snakemake.log[0]):
         torch.set_num_threads(snakemake.threads)

@@ -1,7 +1,7 @@
 """The training loop of every model: steps, averaged weights, evaluations, checkpoints.
 
-Everything random in a step derives from (seed, name, step), so that the same seed gives the same
-weights on one machine, and a run that goes on from its checkpoint ends as one that never stopped.
+Every random choice in a step derives from (seed, name, step). So the same seed gives the same
+weights on one machine, and a run that resumes from its checkpoint ends like one without a stop.
 """
 
 from __future__ import annotations
@@ -32,15 +32,15 @@ Loss = Callable[[int, np.random.Generator], Mapping[str, torch.Tensor]]
 
 @dataclass(frozen=True)
 class TrainerOptions:
-    """How a run goes."""
+    """Options of a training run."""
 
     name: str  #: names the run's random streams, log lines and checkpoint
     seed: int
     steps: int  #: optimiser steps
-    schedule: Callable[[int], float]  #: step from 0 -> share of each group's learning rate
+    schedule: Callable[[int], float]  #: step from 0 -> factor on each group's learning rate
     clip_norm: float | None = None  #: largest norm of the gradient
-    average_decay: float | None = None  #: of the averaged weights, which then are what is kept
-    evaluate_every: int = 0  #: steps between evaluations; the last step has one too
+    average_decay: float | None = None  #: decay of averaged weights, which are then kept; or none
+    evaluate_every: int = 0  #: steps between evaluations; there is also one at the last step
     checkpoint_every: int = 200  #: steps between checkpoints
     log_every: int = 100  #: steps between progress lines
     bfloat16: bool = False  #: run the loss function under autocast
@@ -48,17 +48,17 @@ class TrainerOptions:
 
 @dataclass(frozen=True)
 class Trained(Generic[Network]):
-    """What a run ends with."""
+    """The result of a run."""
 
-    network: Network  #: in evaluation mode: the best of the evaluations, or the last weights
-    step: int  #: that its weights are from
-    score: float  #: what the evaluation said of them; NaN without one
-    seconds: float  #: of all steps and evaluations, those before a checkpoint included
+    network: Network  #: in evaluation mode, with the best-scored weights, or the last ones
+    step: int  #: number of the step that its weights are from
+    score: float  #: score of these weights; NaN without evaluation
+    seconds: float  #: time of all steps and evaluations, including those before a resumption
 
 
 @dataclass(frozen=True)
 class _Best:
-    """The best of the evaluations so far; NaN where there was none."""
+    """The best evaluation so far; its score is NaN if there was none."""
 
     step: int = 0
     score: float = math.nan
@@ -66,7 +66,7 @@ class _Best:
 
 
 class Trainer(Generic[Network]):
-    """A network, its loss and its optimiser on their way through a run.
+    """A run of training: a network, its loss, its optimiser, and the steps done so far.
 
     Parameters
     ----------
@@ -75,13 +75,13 @@ class Trainer(Generic[Network]):
     loss : Loss
         Draws a batch, runs `network` on it and returns the loss.
     optimiser : torch.optim.Optimizer
-        Its learning rates are those at a schedule of 1.
+        Its learning rates are those where the schedule is 1.
     options : TrainerOptions
     evaluate : callable, optional
-        Network in evaluation mode -> score; the network with the highest is kept.
+        Network in evaluation mode -> score; the network with the highest score is kept.
     run : object
-        Tells this run from others beside name, seed and steps (settings, hashes of data) by its
-        ``repr``: another run's checkpoint is not continued.
+        Identifies this run by its ``repr`` (settings, hashes of data), besides name, seed and
+        number of steps: the checkpoint of another run is not continued.
     """
 
     def __init__(
@@ -108,7 +108,7 @@ class Trainer(Generic[Network]):
 
     @property
     def kept(self) -> Network:
-        """The network whose weights count: the average where there is one."""
+        """The network that is evaluated and returned: the average if there is one."""
         return self.network if self.average is None else cast("Network", self.average.module)
 
     def train_step(self) -> dict[str, torch.Tensor]:
@@ -133,9 +133,9 @@ class Trainer(Generic[Network]):
         return {name: part.detach() for name, part in {"loss": total, **parts}.items()}
 
     def fit(self, checkpoint: Path | None = None) -> Trained[Network]:
-        """Take the steps that are left and return the network to keep.
+        """Take the remaining steps; return the best network, or the last without evaluation.
 
-        `checkpoint` is written on the way and at the end; :meth:`resume` reads it.
+        `checkpoint` is written every few steps and at the end; :meth:`resume` reads it.
         """
         options, recent = self.options, []
         last = time.monotonic()
@@ -157,11 +157,11 @@ class Trainer(Generic[Network]):
         return Trained(network.eval(), best.step, best.score, self.seconds)
 
     def _due(self, every: int) -> bool:
-        """Return whether this step is the last, or one of every so many (0: none)."""
+        """Return whether this step is the last one, or a multiple of `every` (0: never)."""
         return self.step == self.options.steps or (every > 0 and self.step % every == 0)
 
     def _evaluate(self, evaluate: Callable[[Network], float]) -> None:
-        """Score the present network and keep it if none was better."""
+        """Score the present network; keep a copy if it is the best so far."""
         with torch.no_grad():
             score = evaluate(self.kept.eval())
         _LOG.info("%s: step %d scores %.4f", self.options.name, self.step, score)
@@ -192,7 +192,7 @@ class Trainer(Generic[Network]):
             torch.save(state, file)
 
     def resume(self, path: Path | None) -> bool:
-        """Go on from a file of :meth:`save`; False where there is none of this run."""
+        """Continue from a file of :meth:`save`; return False if there is none of this run."""
         if path is None or not path.is_file():
             return False
         state = torch.load(path, map_location="cpu", weights_only=True)
@@ -210,7 +210,7 @@ class Trainer(Generic[Network]):
 
 
 def averaged(network: nn.Module, decay: float) -> AveragedModel:
-    """Return an exponential moving average of a network; early steps count less history."""
+    """Return an exponential moving average of a network; its decay is smaller in early steps."""
 
     def update(average: Any, present: Any, count: Any) -> None:
         early = (int(count) + 1) / (int(count) + 11)
@@ -220,7 +220,7 @@ def averaged(network: nn.Module, decay: float) -> AveragedModel:
 
 
 def cosine(step: int, steps: int, *, rise: int = 0, hold: int = 0, floor: float = 0.01) -> float:
-    """Return the share of the learning rate: a linear rise, then a cosine to `floor`.
+    """Return the factor on the learning rate: a linear rise, then a cosine to `floor`.
 
     `rise` is the number of steps of the rise, `hold` the step until which the rate stays full.
     """
@@ -232,5 +232,5 @@ def cosine(step: int, steps: int, *, rise: int = 0, hold: int = 0, floor: float 
 
 
 def best_device() -> str:
-    """Return ``"cuda"`` where there is a GPU, else ``"cpu"``."""
+    """Return ``"cuda"`` if there is a GPU, else ``"cpu"``."""
     return "cuda" if torch.cuda.is_available() else "cpu"
