@@ -134,7 +134,7 @@ def bent(image: np.ndarray, bend: float, interpolation: int) -> np.ndarray:
 
 
 def measure(
-    root: Path, split: str, fov_deg: float, kind: str, limit: int, bend: float = 0.0
+    root: Path, split: str, fov_deg: float, kind: str, limit: int, bend: float
 ) -> list[Result]:
     """Return the errors of up to `limit` photos, spread over the split."""
     photos = list(photos_of(root, split))
@@ -276,7 +276,8 @@ def main() -> None:
         if arguments.real is not None:
             results = measure_real(arguments.real, arguments.fov, kind)
         else:
-            results = measure(arguments.root, arguments.split, arguments.fov, kind, arguments.limit)
+            drawn = arguments.split, arguments.fov, kind, arguments.limit, arguments.bend
+            results = measure(arguments.root, *drawn)
         if not results:
             raise SystemExit(f"no photos with truth in {arguments.real or arguments.root}")
         if arguments.each:

@@ -8,6 +8,7 @@ rule ablation_house:
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
         embeddings=f"{RESULTS}/houses/{{house}}/embeddings.parquet",
+        colours=f"{RESULTS}/houses/{{house}}/colours.parquet",
         library=f"{RESULTS}/texture_library.parquet",
     output:
         f"{RESULTS}/houses/{{house}}/ablation.parquet",

@@ -1,5 +1,3 @@
-import functools
-
 PHOTO_ROOMS = f"{RESULTS}/houses/{{house}}/photo_rooms.json"
 
 
