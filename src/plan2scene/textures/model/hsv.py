@@ -27,7 +27,7 @@ def rgb_to_hsv(rgb: torch.Tensor) -> torch.Tensor:
 
 
 def rgb_to_hsv_8_bit(rgb: torch.Tensor) -> torch.Tensor:
-    """As :func:`rgb_to_hsv`, but rounded to Pillow's 8 bits, like the reference; no gradients."""
+    """As :func:`rgb_to_hsv`, but quantised to Pillow's 8 bits, like the reference; no gradients."""
     images = (rgb.detach() * 255.0).round().to(torch.uint8).permute(0, 2, 3, 1).cpu().numpy()
     cut = np.stack([np.array(Image.fromarray(image).convert("HSV")) for image in images])
     return torch.from_numpy(cut).permute(0, 3, 1, 2).to(rgb) / 255.0
