@@ -83,24 +83,24 @@ class Camera:
 
     def project(self, points: np.ndarray) -> np.ndarray:
         """Return pixels (..., 2) of world points (..., 3); NaN at or behind a pinhole camera."""
-        seen = self.seen(np.asarray(points, dtype=np.float64))
-        depth = seen[..., 2:]
+        in_camera = self.seen(np.asarray(points, dtype=np.float64))
+        depth = in_camera[..., 2:]
         depth = np.ones_like(depth) if self.orthographic else np.where(depth > 1e-9, depth, np.nan)
-        return np.asarray(seen[..., :2] / depth * self.focal_px + np.array([self.cx, self.cy]))
+        return np.asarray(in_camera[..., :2] / depth * self.focal_px + np.array([self.cx, self.cy]))
 
     def rays(self, pixels: np.ndarray) -> np.ndarray:
         """Return unit view directions (..., 3) in world axes of pixels (..., 2) of a pinhole."""
         pixels = np.asarray(pixels)
-        every, rays = pixels.reshape(-1, 2), np.empty((pixels[..., 0].size, 3))
+        flat_pixels, rays = pixels.reshape(-1, 2), np.empty((pixels[..., 0].size, 3))
         # In parts that fit the processor's cache: a photo's rays take a quarter of the time.
-        for first in range(0, len(every), _PART):
-            part = every[first : first + _PART]
+        for first in range(0, len(flat_pixels), _PART):
+            part = flat_pixels[first : first + _PART]
             # Column by column: numpy is ten times slower along an axis of length two or three.
-            seen = np.ones((len(part), 3))
+            in_camera = np.ones((len(part), 3))
             for axis, middle in enumerate((self.cx, self.cy)):
-                np.subtract(part[:, axis], middle, out=seen[:, axis])
-                seen[:, axis] /= self.focal_px
-            world = np.matmul(seen, self.matrix, out=rays[first : first + _PART])
+                np.subtract(part[:, axis], middle, out=in_camera[:, axis])
+                in_camera[:, axis] /= self.focal_px
+            world = np.matmul(in_camera, self.matrix, out=rays[first : first + _PART])
             x, y, z = world.T
             length = np.sqrt(x * x + y * y + z * z)
             for column in (x, y, z):

@@ -328,8 +328,8 @@ class House:
 
     def wall_key(self, room_id: str, wall_id: str) -> SurfaceKey:
         """Return the surface of a wall's side that faces a room."""
-        own = SurfaceKey(room_id, f"wall.{wall_id}")
-        return own if own in self.accents else SurfaceKey(room_id, "wall")
+        accent_key = SurfaceKey(room_id, f"wall.{wall_id}")
+        return accent_key if accent_key in self.accents else SurfaceKey(room_id, "wall")
 
     def passages(self) -> tuple[tuple[str, str, float], ...]:
         """Return for each passage the two rooms that it joins and its width in metres."""

@@ -57,14 +57,14 @@ def imports(file: Path) -> frozenset[str]:
     ``from a import b`` gives both ``a`` and ``a.b``, because ``b`` may be a module. Relative
     imports are ignored: our packages have none.
     """
-    found: set[str] = set()
+    names: set[str] = set()
     for statement in _statements(ast.parse(_source(file)).body):
         if isinstance(statement, ast.Import):
-            found.update(alias.name for alias in statement.names)
+            names.update(alias.name for alias in statement.names)
         elif isinstance(statement, ast.ImportFrom) and statement.module:
-            found.add(statement.module)
-            found.update(f"{statement.module}.{alias.name}" for alias in statement.names)
-    return frozenset(found)
+            names.add(statement.module)
+            names.update(f"{statement.module}.{alias.name}" for alias in statement.names)
+    return frozenset(names)
 
 
 def _statements(body: Sequence[ast.AST]) -> Iterator[ast.AST]:
@@ -78,15 +78,15 @@ def _statements(body: Sequence[ast.AST]) -> Iterator[ast.AST]:
 @cache
 def closure(module: str, packages: tuple[Path, ...] = PACKAGES) -> Mapping[str, Path]:
     """Return name to file for `module` and all that it imports from `packages`, directly or not."""
-    seen: dict[str, Path] = {}
+    file_by_name: dict[str, Path] = {}
     queue = [module]
     while queue:
         name = queue.pop()
-        file = None if name in seen else _module_file(name, packages)
+        file = None if name in file_by_name else _module_file(name, packages)
         if file is not None:
-            seen[name] = file
+            file_by_name[name] = file
             queue.extend(imports(file))
-    return seen
+    return file_by_name
 
 
 def _data_files(module: Path) -> set[Path]:

@@ -179,13 +179,13 @@ def check_dataset(
     for expected, found, house_id in name_oddities("house names", [row.house for row in rows]):
         fault = InputError(expected, found, file=layout.data / table, house=house_id)
         problems.append(Problem("warning", str(fault)))
-    known: set[str] = set()
+    listed_photos: set[str] = set()
     checked: set[str] = set()
     for row in rows:
-        known |= set(row.photos)
+        listed_photos |= set(row.photos)
         plan = check_plan(layout.root / row.plan, row.house, metres_per_pixel, dxf_layers)
         problems += _check_house(layout, layout.data / table, row, plan, checked)
-    problems += _check_unobserved(layout.unobserved, known)
+    problems += _check_unobserved(layout.unobserved, listed_photos)
     return problems
 
 

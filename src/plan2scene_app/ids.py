@@ -12,9 +12,9 @@ def fit_id(name: str, otherwise: str) -> str:
     """Return an id made from a name, without accents; `otherwise` for a name in another script."""
     plain = unicodedata.normalize("NFKD", name.translate(WRITTEN))
     plain = plain.encode("ascii", "ignore").decode()
-    made = re.sub(r"[^A-Za-z0-9_.-]+", "_", plain).lstrip("._-").rstrip("_")[:60]
-    lost = any(map(str.isalpha, name)) and not re.search("[A-Za-z]", made)
-    return otherwise if lost or not made else made
+    name_id = re.sub(r"[^A-Za-z0-9_.-]+", "_", plain).lstrip("._-").rstrip("_")[:60]
+    lost = any(map(str.isalpha, name)) and not re.search("[A-Za-z]", name_id)
+    return otherwise if lost or not name_id else name_id
 
 
 def free_id(name: str, taken: set[str], otherwise: str = "room") -> str:

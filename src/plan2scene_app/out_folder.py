@@ -52,7 +52,7 @@ class OutFolder:
 
         A file that is already there with the same content is not written, so its time stays.
         """
-        made = {name: self.path / name for name in files}
+        targets = {name: self.path / name for name in files}
         names = set(_delivered(self.work)) | set(files)
         for name, source in files.items():
             if source.is_dir():
@@ -61,12 +61,14 @@ class OutFolder:
         for name, source in files.items():
             if source.is_dir():
                 ignored = shutil.ignore_patterns(*_BYPRODUCTS)
-                with atomic_directory(made[name], flush=True) as folder:
+                with atomic_directory(targets[name], flush=True) as folder:
                     shutil.copytree(source, folder, ignore=ignored, dirs_exist_ok=True)
-            elif not made[name].is_file() or not filecmp.cmp(source, made[name], shallow=False):
-                with atomic_path(made[name], flush=True) as temporary:
+            elif not targets[name].is_file() or not filecmp.cmp(
+                source, targets[name], shallow=False
+            ):
+                with atomic_path(targets[name], flush=True) as temporary:
                     shutil.copyfile(source, temporary)
-        return made
+        return targets
 
 
 @contextmanager
@@ -119,21 +121,21 @@ def _refuse_users_files(path: Path, names: Sequence[str], inputs: Sequence[Path]
     work = path / WORK
     if os.path.lexists(work) and not (work / _LOCK).is_file() and (work.is_file() or _full(work)):
         raise InputError("no folder 'work' but an earlier run's", "another", file=work)
-    taken = [path / name for name in (*names, WORK)]
+    targets = [path / name for name in (*names, WORK)]
     for source in inputs:
         real = source.resolve()
-        for target in taken:
+        for target in targets:
             if real == target.resolve() or target.resolve() in real.parents:
                 raise InputError("an --out folder that doesn't overwrite the input", str(source))
-    known = set(_delivered(work)) if (work / _RECORD).is_file() else set()
+    delivered = set(_delivered(work)) if (work / _RECORD).is_file() else set()
     for name in names:
         target = path / name
-        here = [name] if os.path.lexists(target) else []
+        present = [name] if os.path.lexists(target) else []
         if target.is_dir() and not target.is_symlink():
-            here += [f"{name}/{entry.name}" for entry in target.iterdir()]
-        other = sorted(set(here) - known)
-        if other:
-            raise InputError("an --out folder without files of others", other[-1], file=path)
+            present += [f"{name}/{entry.name}" for entry in target.iterdir()]
+        foreign = sorted(set(present) - delivered)
+        if foreign:
+            raise InputError("an --out folder without files of others", foreign[-1], file=path)
 
 
 def _full(folder: Path) -> bool:

@@ -140,22 +140,22 @@ def photos_in(folder: Path, plan: Path) -> list[str]:
     """
     if not folder.is_dir():
         raise InputError("a folder of photos, or a photo table", absent(folder), file=folder)
-    kept: dict[str, Path] = {}
+    photo_by_stem: dict[str, Path] = {}
     for path in sorted(folder.iterdir()):
         if path.name.startswith(".") or path.is_dir() or path.samefile(plan):
             continue
-        same = [old for old in kept.values() if filecmp.cmp(old, path, shallow=False)]
-        same += [kept[path.stem]] if path.stem in kept else []
+        same = [old for old in photo_by_stem.values() if filecmp.cmp(old, path, shallow=False)]
+        same += [photo_by_stem[path.stem]] if path.stem in photo_by_stem else []
         if same:
             _LOG.warning("photo %s left out: %s is the same", path.name, same[0].name)
         elif _is_page(path):
             why = "a drawing or a page, no photo; a photo table that names it keeps it"
             _LOG.warning("photo %s left out: %s", path.name, why)
         else:
-            kept[path.stem] = path
-    if not kept:
+            photo_by_stem[path.stem] = path
+    if not photo_by_stem:
         raise InputError("a folder of photos", "no photo in it", file=folder)
-    return sorted(path.name for path in kept.values())
+    return sorted(path.name for path in photo_by_stem.values())
 
 
 def _is_page(path: Path) -> bool:

@@ -50,29 +50,31 @@ def set_by_hand(
     entries = {SurfaceKey(*name.rsplit("/", 1)): e for name, e in index["surfaces"].items()}
     chosen = _spread(finishes, list(entries))
     house = _House(root, entries, chosen, Path(crops), Path(paint))
-    made = {key: tile for key in chosen if (tile := house.tile(key)) is not None}
-    for key, tile in made.items():
+    tile_by_key = {key: tile for key in chosen if (tile := house.tile(key)) is not None}
+    for key, tile in tile_by_key.items():
         write_png(root / f"{key.filename}.png", tile.image)
         size = {"size_m": tile.size_m, "observed": None, "substance": tile.substance}
-        said = BY_HAND + chosen[key]
-        words = said.replace("same:", "as in ").replace("photo:", "as in photo ")
+        source = BY_HAND + chosen[key]
+        words = source.replace("same:", "as in ").replace("photo:", "as in photo ")
         evidence: dict[str, Any] = {"photos": [], "like": None, "words": words}
-        index["surfaces"]["/".join(key)] = size | {"source": said, "evidence": evidence}
+        index["surfaces"]["/".join(key)] = size | {"source": source, "evidence": evidence}
         (root / f"{key.filename}.jpg").unlink(missing_ok=True)
     write_json(root / "textures.json", index)
     if (root / "maps.json").is_file():
         maps = read_stage_json(root / "maps.json", "maps")
-        names = {"/".join(key) for key in made}
-        kept = {name: entry for name, entry in maps["surfaces"].items() if name not in names}
-        write_json(root / "maps.json", maps | {"surfaces": kept})
+        names = {"/".join(key) for key in tile_by_key}
+        other_entries = {
+            name: entry for name, entry in maps["surfaces"].items() if name not in names
+        }
+        write_json(root / "maps.json", maps | {"surfaces": other_entries})
     doors = read_stage_json(root / "doors.json", "doors")
     if SurfaceKey("*", "door") in finishes:
         doors = {}
     write_json(root / "doors.json", doors | _colours("door", finishes))
     if trim := _colours("trim", finishes):
-        seen = root / "trim.json"
-        known = read_stage_json(seen, "trim") if seen.is_file() else {}
-        write_json(seen, known | trim)
+        trim_file = root / "trim.json"
+        trim_colours = read_stage_json(trim_file, "trim") if trim_file.is_file() else {}
+        write_json(trim_file, trim_colours | trim)
 
 
 @dataclass(frozen=True)
@@ -143,15 +145,15 @@ class _House:
             {c.key for c in crops}, key=lambda one: (sum(c.key == one for c in crops), one)
         )
         crops = [crop for crop in crops if crop.key == source]
-        own = self.entries.get(source, {})
+        source_entry = self.entries.get(source, {})
         image = tile_from_crops([crop.image() for crop in crops], "exemplar", size_px=256, seed=0)
         paints, _ = read_paint(self.paint)
         if source in paints:
-            shown = np.maximum(srgb_to_linear(median_colour(image)), 1e-3)
-            image = relight(image, paints[source] / shown, knee=0.88)
+            photo_colour = np.maximum(srgb_to_linear(median_colour(image)), 1e-3)
+            image = relight(image, paints[source] / photo_colour, knee=0.88)
         sizes = [crop.size_m for crop in crops if np.isfinite(crop.size_m)]
-        size_m = float(np.median(sizes)) if sizes else float(own.get("size_m", 1.0))
-        return _Tile(image, size_m, own.get("substance"))
+        size_m = float(np.median(sizes)) if sizes else float(source_entry.get("size_m", 1.0))
+        return _Tile(image, size_m, source_entry.get("substance"))
 
 
 def _levels(what: str) -> np.ndarray:
@@ -166,16 +168,16 @@ def _spread(finishes: Mapping[SurfaceKey, str], keys: list[SurfaceKey]) -> dict[
 
     A row for one wall overrides a row for all walls of its room; that one overrides ``*``.
     """
-    known = {key.room_id for key in keys}
-    for room in sorted({k.room_id for k in finishes if k.surface != "door"} - known - {"*"}):
+    room_ids = {key.room_id for key in keys}
+    for room in sorted({k.room_id for k in finishes if k.surface != "door"} - room_ids - {"*"}):
         _LOG.warning("finishes of room %s, which the plan does not have, are left out", room)
     chosen = {}
     for key in keys:
         kind = key.surface.partition(".")[0]
         rows = [key, SurfaceKey(key.room_id, kind), SurfaceKey("*", kind)]
-        found = next((finishes[row] for row in rows if row in finishes), None)
-        if found is not None:
-            chosen[key] = found
+        finish = next((finishes[row] for row in rows if row in finishes), None)
+        if finish is not None:
+            chosen[key] = finish
     return chosen
 
 

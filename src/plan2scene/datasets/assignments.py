@@ -107,9 +107,9 @@ def read_rows(path: str | Path, *, house_id: str = "") -> list[PhotoAssignment]:
             continue
         if len(cells) <= max(-1 if room is None else room, photo) or not cells[photo]:
             raise fault("a photo in each row", f"row {number}: {','.join(cells)}")
-        told = "" if room is None else cells[room]
-        guessed = guess is not None and cells[guess : guess + 1] == [told]
-        rows.append(PhotoAssignment("" if guessed else told, cells[photo]))
+        room_cell = "" if room is None else cells[room]
+        guessed = guess is not None and cells[guess : guess + 1] == [room_cell]
+        rows.append(PhotoAssignment("" if guessed else room_cell, cells[photo]))
     return rows
 
 

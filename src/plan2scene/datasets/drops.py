@@ -27,21 +27,23 @@ def hidden_photos(
     seeded order. Fraction 0.0 hides no photo, 1.0 all. Without `listed`, that share of all the
     house's photos is hidden. Photos hidden at 0.2 are also hidden at 0.4.
     """
-    known = {1.0: set(photos)}
-    known |= {float(name): known[1.0].intersection(of) for name, of in (listed or {}).items()}
-    known[0.0] = set()
+    hidden_at = {1.0: set(photos)}
+    hidden_at |= {
+        float(name): hidden_at[1.0].intersection(of) for name, of in (listed or {}).items()
+    }
+    hidden_at[0.0] = set()
     fraction = float(drop)
-    low = max(value for value in known if value <= fraction)
-    high = min(value for value in known if value >= fraction)
+    low = max(value for value in hidden_at if value <= fraction)
+    high = min(value for value in hidden_at if value >= fraction)
     if low == high:
-        return sorted(known[low])
+        return sorted(hidden_at[low])
     from plan2scene.seeds import generator
 
-    more = sorted(known[high] - known[low])
+    more = sorted(hidden_at[high] - hidden_at[low])
     count = round((fraction - low) / (high - low) * len(more))
     interval = () if listed is None else (f"{low:.1f}",)
     order = generator(seed, "hidden_photos", house_id, *interval).permutation(len(more))
-    return sorted(known[low] | {more[i] for i in order[:count]})
+    return sorted(hidden_at[low] | {more[i] for i in order[:count]})
 
 
 def read_unobserved(path: str | Path) -> dict[str, list[str]]:

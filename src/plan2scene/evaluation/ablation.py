@@ -136,12 +136,12 @@ def predicted(
     if variant.propagate == "graph":
         return propagated
     network, means = load_propagation(models.propagation)
-    seen = {
+    observed_embeddings = {
         SurfaceKey(row.room_id, row.surface): np.asarray(row.embedding, np.float32)
         for row in propagated.itertuples()
         if row.observed
     }
-    graph = house_graph(plan, seen)
+    graph = house_graph(plan, observed_embeddings)
     name = variant.propagate
     if name == "no_graph":
         name, graph = "network", replace(graph, edges=graph.edges[:, :0])
@@ -176,14 +176,14 @@ def ablate_house(
             folder = Path(name)
             surfaces = house.select(embeddings, photos, folder / "surfaces.parquet")
             for variant in VARIANTS:
-                own = folder / f"{variant.name}_surfaces.parquet"
+                variant_surfaces = folder / f"{variant.name}_surfaces.parquet"
                 propagated = folder / f"{variant.name}_propagated.parquet"
                 # A variant's propagation starts from the crops that the variant selects.
                 chosen = selected(
                     surfaces, visible, variant, house=house_id, seed=house.settings.seed
                 )
-                write_parquet(own, chosen, {"house": house_id})
-                house.propagate(own, photos, propagated)
+                write_parquet(variant_surfaces, chosen, {"house": house_id})
+                house.propagate(variant_surfaces, photos, propagated)
                 frame, metadata = read_parquet(propagated)
                 write_parquet(
                     propagated, predicted(data.house, frame, variant, house.models), metadata

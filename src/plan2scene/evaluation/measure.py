@@ -71,13 +71,15 @@ def measure_textures(
         for method in methods:
             folder = Path(textures) / drop / method
             entries = texture_index(folder)
-            listed = {SurfaceKey(*name.rsplit("/", 1)): entry for name, entry in entries.items()}
-            keys = [key for key in listed if key in references]
+            entry_by_key = {
+                SurfaceKey(*name.rsplit("/", 1)): entry for name, entry in entries.items()
+            }
+            keys = [key for key in entry_by_key if key in references]
             numbers = sorted((path for path in folder.glob("more/*")), key=lambda p: int(p.name))
             frames.append(
                 measure_tiles(
                     {key: read_image(folder / f"{key.filename}.png") for key in keys},
-                    {key for key in keys if listed[key].get("observed")},
+                    {key for key in keys if entry_by_key[key].get("observed")},
                     references,
                     networks,
                     house_id=house,
@@ -144,9 +146,9 @@ def measure_tiles(
 
 def _truth(key: SurfaceKey, observed: bool, references: References, house_id: str) -> np.ndarray:
     """Return the image (128, 128, 3) uint8 with which a surface's tile is compared."""
-    visible, every = references[key]
+    visible, overall_medoid = references[key]
     if not observed:
-        return every
+        return overall_medoid
     if visible is None:
         expected = f"a visible crop of {key.surface}, which is observed"
         raise InputError(expected, "none", house=house_id, room=key.room_id)

@@ -66,8 +66,8 @@ class Measurements:
             network_sets.add(tuple(str(metadata.get(name)) for name in _NETWORK_METADATA))
         if len(network_sets) != 1:
             raise InputError("metrics of one features network", str(sorted(network_sets)))
-        known = dict(zip(_NETWORK_METADATA, network_sets.pop(), strict=True))
-        return {name: known.get(metric.network, "none") for name, metric in METRICS.items()}
+        network_names = dict(zip(_NETWORK_METADATA, network_sets.pop(), strict=True))
+        return {name: network_names.get(metric.network, "none") for name, metric in METRICS.items()}
 
     def houses(self) -> Iterator[MeasuredHouse]:
         """Yield the houses that have rows, in the order of their files."""

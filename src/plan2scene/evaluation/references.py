@@ -26,8 +26,10 @@ def reference_images(crops: pd.DataFrame, hidden_photos: Collection[str]) -> Ref
     result = {}
     for (room_id, surface), group in crops.groupby(["room_id", "surface"], sort=False):
         images = [metric_image(image_from_bytes(png)) for png in group["png"]]
-        seen = [i for i, photo in zip(images, group["photo"], strict=True) if photo not in hidden]
-        visible = seen[medoid_index(seen)] if seen else None
+        visible_images = [
+            i for i, photo in zip(images, group["photo"], strict=True) if photo not in hidden
+        ]
+        visible = visible_images[medoid_index(visible_images)] if visible_images else None
         key = SurfaceKey(str(room_id), str(surface))
         result[key] = (visible, images[medoid_index(images)])
     return result

@@ -112,14 +112,14 @@ def summed(cells: Sequence[Cell], houses: Collection[str], measured: Measurement
     """
     left = list(cells)
     while left:
-        own = left[:_AT_ONCE]
+        cell_group = left[:_AT_ONCE]
         for house in measured.houses():
             if house.images[0].shape[1] > MAX_MOMENTS_DIMENSION:
-                own = own[:_AT_ONCE_WIDE]
+                cell_group = cell_group[:_AT_ONCE_WIDE]
             if house.name in houses:
-                for cell in own:
+                for cell in cell_group:
                     cell.add(house)
-        left = left[len(own) :]
+        left = left[len(cell_group) :]
 
 
 #: Packages that the values are computed with; a table names their versions.
@@ -307,6 +307,6 @@ def _cells(cells: pd.DataFrame) -> dict[str, str]:
     best = min(ranked.values(), default=None)
     return {
         method: (f"\\textbf{{{text}}}" if method in ranked and ranked[method] == best else text)
-        + rest
-        for method, (text, rest) in texts.items()
+        + published_text
+        for method, (text, published_text) in texts.items()
     }

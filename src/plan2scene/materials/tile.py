@@ -93,9 +93,9 @@ def _units(
             odd = np.mod(np.floor(pixel) + np.floor(pixel)[:, None], 2)
         image = palettes.mix(tone, other, odd.astype(np.float32))
     elif kind == "mosaic" and rng.random() < 0.65:
-        others = int(rng.integers(2, 5))
+        other_count = int(rng.integers(2, 5))
         lightness, chroma = float(rng.uniform(2, 12)), float(rng.uniform(1, 5))
-        tones = [tone] + [palettes.vary(rng, tone, lightness, chroma) for _ in range(others)]
+        tones = [tone] + [palettes.vary(rng, tone, lightness, chroma) for _ in range(other_count)]
         if rng.random() < 0.3:
             tones[-1] = palettes.pick(rng, palette)
         image = np.stack(tones)[plan.choose(rng, rng.uniform(0.3, 1.0, len(tones)))]

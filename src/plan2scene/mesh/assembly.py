@@ -69,14 +69,14 @@ def build_storey(
     parts: list[MeshPart] = [railing(side) for side in rails]
     for room in house.rooms:
         parts.extend(flat_parts(room, polygons[room.id], well, above))
-        own = [side for side in walled if side.room_id == room.id]
+        room_walls = [side for side in walled if side.room_id == room.id]
         faces = (
             wall_face(
                 side, room, polygons[room.id], openings, house.wall_key(room.id, side.wall.id)
             )
-            for side in own
+            for side in room_walls
         )
-        boards = skirting(room, own, openings, trims.get(room.id, all_trim))
+        boards = skirting(room, room_walls, openings, trims.get(room.id, all_trim))
         parts.extend(part for part in (*faces, boards) if part is not None)
     bodies = wall_bodies(walled, together)
     low = 0.0 if below is None else -OVERLAP
@@ -86,19 +86,19 @@ def build_storey(
             parts.append(part)
     portals = _largest(openings.portals)
     leaves = dict(house.door_colours)
-    usual = leaves.get("", LEAF_COLOUR)
+    usual_colour = leaves.get("", LEAF_COLOUR)
     swinging = [portal for portal in portals if portal.hole.opening.kind == "door"]
     doors = Counter(room for portal in swinging for room in (portal.side.room_id, portal.other))
     rooms = {room.id: room for room in house.rooms}
     indoors = {room.id for room in house.rooms if not room.open_air}
     for portal in portals:
         strip = threshold(portal)
-        leaf = leaves.get(portal.hole.opening.id, usual)
+        leaf = leaves.get(portal.hole.opening.id, usual_colour)
         # A leaf opens into the room with fewer doors, not into a hall.
         inwards = portal.other is None or doors[portal.side.room_id] <= doors[portal.other]
         both = (portal.side.room_id, portal.other)
         trim = next((trims[room] for room in both if room in trims), all_trim)
-        made = fixtures(
+        fixture_parts = fixtures(
             portal,
             leaf,
             trim,
@@ -106,7 +106,7 @@ def build_storey(
             hatch=is_hatch(portal, indoors),
             glazed=is_glazed(portal, rooms),
         )
-        parts.extend(([strip] if strip is not None else []) + made)
+        parts.extend(([strip] if strip is not None else []) + fixture_parts)
     parts.extend(objects(house, sides, polygons))
     if below is not None:
         parts.extend(soffit(level, together, bodies, below))
@@ -168,9 +168,9 @@ def assemble(house: House) -> Assembly:
         higher = house.level_above(level.id)
         above = None
         if higher is not None:
-            own = [room_polygon(room) for room in house.rooms if room.level == higher.id]
+            polygons_above = [room_polygon(room) for room in house.rooms if room.level == higher.id]
             shaft = unary_union([flight_area(flight) for flight in stairs])
-            above = Above(higher.elevation - level.elevation, unary_union(own), shaft)
+            above = Above(higher.elevation - level.elevation, unary_union(polygons_above), shaft)
         storey = build_storey(level, rooms, below, well, above)
         flights = [(flight, step_count(house.rise_of(flight))) for flight in (*arriving, *stairs)]
         ways = stair_parts(house, stairs) + handrails(house, rooms, stairs)

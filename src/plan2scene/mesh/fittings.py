@@ -179,8 +179,8 @@ def objects(
             found = f"from {icon.p1} to {icon.p2}"
             _log.warning("house %s: %s %s stands in no room, left out", house.id, icon.type, found)
             continue
-        own = [face for face in faces if face.room_id == room.id]
-        parts.append(_placed(category, area, room, polygon, own))
+        room_faces = [face for face in faces if face.room_id == room.id]
+        parts.append(_placed(category, area, room, polygon, room_faces))
     return parts
 
 

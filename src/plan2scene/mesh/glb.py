@@ -168,18 +168,18 @@ def _textured(
     uv = None
     if part.uv is not None and tile is not None:
         uv = tile.turns(part.uv) * [1, -1] + [0, 1]  # trimesh's v runs up the image
-    own = {}
+    attributes = {}
     if part.colours is not None:
-        own["_COLOR_0"] = srgb_to_linear(part.colours).astype(np.float32)
+        attributes["_COLOR_0"] = srgb_to_linear(part.colours).astype(np.float32)
     if second is not None:
-        own["_TEXCOORD_1"] = second.astype(np.float32)
+        attributes["_TEXCOORD_1"] = second.astype(np.float32)
     if material.normalTexture is not None:
-        own["_TANGENT"] = tangents(part)
+        attributes["_TANGENT"] = tangents(part)
     return trimesh.Trimesh(
         part.mesh.vertices,
         part.mesh.faces,
         vertex_normals=part.mesh.vertex_normals,
-        vertex_attributes=own,
+        vertex_attributes=attributes,
         visual=TextureVisuals(uv=uv, material=material),
         process=False,
     )

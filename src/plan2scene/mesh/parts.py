@@ -46,8 +46,8 @@ class MeshPart:
 
     def uv_to_world(self) -> np.ndarray:
         """Return the (3, 3) float64 matrix that maps rows (u, v, 1) on a flat part to the world."""
-        known = np.column_stack([np.asarray(self.uv), np.ones(len(self.mesh.vertices))])
-        return np.asarray(np.linalg.lstsq(known, self.mesh.vertices, rcond=None)[0])
+        homogeneous_uv = np.column_stack([np.asarray(self.uv), np.ones(len(self.mesh.vertices))])
+        return np.asarray(np.linalg.lstsq(homogeneous_uv, self.mesh.vertices, rcond=None)[0])
 
 
 def numbered(names: Iterable[str]) -> list[str]:

@@ -140,11 +140,11 @@ def structure_part(
     Outer faces begin at height `low`. Below rooms of another level the body goes up to their floor.
     """
     wall = body.side.wall
-    others = unary_union(
+    other_walls = unary_union(
         [b.area for b in bodies if b is not body and b.side.wall.height >= wall.height - 1e-6]
     )
     builder = PartBuilder()
-    hidden = unary_union([rooms.buffer(TOUCH), others.buffer(TOUCH)])
+    hidden = unary_union([rooms.buffer(TOUCH), other_walls.buffer(TOUCH)])
     for frame in _free_edges(body.area, hidden):
         _outer_face(builder, frame, (low, wall.height), portals)
     top = wall.height + max(wall.extra_height, 0.0)

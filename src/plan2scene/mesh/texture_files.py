@@ -87,14 +87,14 @@ def load_textures(folder: str | Path, house: House) -> dict[SurfaceKey, TileText
             continue
         textures[key] = _tile(root, key, entry, house.id)
         if "/".join(key) in maps:
-            whole = maps["/".join(key)]
-            (x, y), (width, height) = whole["origin_m"], whole["extent_m"]
+            surface_map = maps["/".join(key)]
+            (x, y), (width, height) = surface_map["origin_m"], surface_map["extent_m"]
             textures[key] = replace(
                 textures[key],
                 origin_m=(float(x), float(y)),
                 jpeg=_bytes(root / f"{key.filename}.jpg", house.id),
                 extent_m=(float(width), float(height)),
-                pattern=whole.get("pattern", ""),
+                pattern=surface_map.get("pattern", ""),
             )
     return textures
 
@@ -126,8 +126,8 @@ def _stair_colours(
     for flight in house.stairs:
         ends = (SurfaceKey(room, "floor") for room in reversed(flight.room_ids) if room)
         floors = [textures[key] for key in ends if key in textures]
-        seen = [tile for tile in floors if tile.observed]
-        for tile in (seen or floors)[:1]:
+        observed = [tile for tile in floors if tile.observed]
+        for tile in (observed or floors)[:1]:
             mean = srgb_to_linear(image_from_bytes(tile.png)).mean(axis=(0, 1))
             r, g, b = as_uint8(linear_to_srgb(mean)).tolist()
             yield flight.id, (r, g, b)

@@ -143,12 +143,12 @@ class KernelMoments:
         self.units += len(np.unique(units))
         for start in range(0, len(scaled), _ROWS):
             rows = slice(start, start + _ROWS)
-            own, weighted = scaled[rows], weights[rows, None] * scaled[rows]
-            pairs = own[:, self._first] * own[:, self._second] * self._scale
+            block, weighted = scaled[rows], weights[rows, None] * scaled[rows]
+            pairs = block[:, self._first] * block[:, self._second] * self._scale
             parts = (weights[rows].sum(), weighted.sum(axis=0), weights[rows] @ pairs)
             for moment, part in zip(self._moments, (*parts, weighted.T @ pairs), strict=True):
                 moment += part
-            kernel = (own @ scaled.T + 1.0) ** _DEGREE * (units[rows, None] == units[None, :])
+            kernel = (block @ scaled.T + 1.0) ** _DEGREE * (units[rows, None] == units[None, :])
             self._own += float(weights[rows] @ kernel @ weights)
 
     def across(self, other: KernelMoments) -> float:

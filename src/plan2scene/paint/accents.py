@@ -56,15 +56,15 @@ def find_accents(table: pd.DataFrame) -> list[tuple[str, str]]:
     If photos show only one wall plane of a room and its colour is strong, this plane is an accent.
     `table` holds rows of ``colours.parquet``.
     """
-    every = table[(table["surface"] == "wall") & table["own"]]
-    seen = every[every["walls"] != ""]
+    wall_rows = table[(table["surface"] == "wall") & table["own"]]
+    seen = wall_rows[wall_rows["walls"] != ""]
     accents = []
     for room_id, of_room in seen.groupby("room_id", sort=True):
-        whole = every[(every["room_id"] == room_id) & (every["weight"] >= _S.least)]
+        whole = wall_rows[(wall_rows["room_id"] == room_id) & (wall_rows["weight"] >= _S.least)]
         if len(only := set(whole["walls"])) == 1 and "" not in only:
-            elsewhere = every[every["room_id"] != room_id]
-            usual = _strength(elsewhere) if len(elsewhere) else 0.0
-            if _strength(whole) > max(_S.alone, _S.stronger * usual):
+            other_room_rows = wall_rows[wall_rows["room_id"] != room_id]
+            usual_strength = _strength(other_room_rows) if len(other_room_rows) else 0.0
+            if _strength(whole) > max(_S.alone, _S.stronger * usual_strength):
                 accents.append((str(room_id), only.pop()))
                 continue
         while (walls := _strongest(of_room)) is not None:
@@ -77,11 +77,11 @@ def find_accents(table: pd.DataFrame) -> list[tuple[str, str]]:
 def _strongest(of_room: pd.DataFrame) -> str | None:
     """Return the accent walls with the strongest colour in a room; None if there is none."""
     strength: dict[str, float] = {}
-    for walls, mine in of_room.groupby("walls", sort=True):
-        rest = of_room[of_room["walls"] != walls]
-        both = list(_differences(mine, rest))
-        wooden = _is_wood(mine)
-        if not both or (wooden and _is_wood(rest)):  # one panelling, in light and shade
+    for walls, plane_rows in of_room.groupby("walls", sort=True):
+        other_rows = of_room[of_room["walls"] != walls]
+        both = list(_differences(plane_rows, other_rows))
+        wooden = _is_wood(plane_rows)
+        if not both or (wooden and _is_wood(other_rows)):  # one panelling, in light and shade
             continue
         weights, away = (np.array(part) for part in zip(*both, strict=True))
         mean = np.average(away, axis=0, weights=weights.min(axis=1) ** 0.5)
@@ -92,8 +92,8 @@ def _strongest(of_room: pd.DataFrame) -> str | None:
         if len(both) == 1:
             least = _S.wooden if wooden else _S.alone
         own, others = weights.sum(axis=0)
-        own_strength = _strength(mine)
-        strong = mean[0] < -_S.dark or own_strength > _S.stronger * _strength(rest)
+        own_strength = _strength(plane_rows)
+        strong = mean[0] < -_S.dark or own_strength > _S.stronger * _strength(other_rows)
         rare = own < (_S.most if strong else 1.0) * others
         if rare and min(agree, 1.0) * length >= least:
             strength[str(walls)] = own_strength
@@ -107,16 +107,19 @@ def _differences(
 
     It is in standard deviations (`AccentSettings.light`), and 0 if `rest` has the colour as a band.
     """
-    for photo, own in mine.groupby("photo", sort=True):
+    for photo, own_rows in mine.groupby("photo", sort=True):
         others = rest[rest["photo"] == photo]
-        weights = float(own["weight"].sum()), float(others["weight"].sum())
+        weights = float(own_rows["weight"].sum()), float(others["weight"].sum())
         if min(weights) >= _S.least:
-            here, there = _scaled(_usual(own)), _scaled(_usual(others))
+            own_colour, other_colour = _scaled(_usual(own_rows)), _scaled(_usual(others))
             shares = _scaled(np.concatenate([_colours(c) for c in others["colours"]]))
-            alike = np.linalg.norm(shares - here, axis=1) < np.linalg.norm(here - there) / 2
+            like_own = (
+                np.linalg.norm(shares - own_colour, axis=1)
+                < np.linalg.norm(own_colour - other_colour) / 2
+            )
             of = np.repeat(others["weight"].to_numpy(), len(shares) // len(others))
-            band = np.average(alike, weights=of) > _S.band
-            yield weights, np.zeros(3) if band else here - there
+            band = np.average(like_own, weights=of) > _S.band
+            yield weights, np.zeros(3) if band else own_colour - other_colour
 
 
 def _scaled(linear: np.ndarray) -> np.ndarray:

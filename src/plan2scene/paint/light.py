@@ -251,8 +251,8 @@ def expected_colours(
     room, kind = np.divmod(np.arange(size), len(SURFACES))
     values = log_axes(srgb_to_linear(np.clip(usual, 0.0, 1.0))).reshape(-1, 3)
     photos = observed.photos.reshape(-1)
-    seen = np.flatnonzero(photos > 0)
-    if len(seen):
+    seen_indices = np.flatnonzero(photos > 0)
+    if len(seen_indices):
         light = [np.ones((size, 1)), np.eye(rooms)[room]]
         design = np.hstack([*light, np.eye(len(SURFACES))[kind], np.eye(size)])
         deviation = np.vstack(
@@ -264,15 +264,15 @@ def expected_colours(
             ]
         )
         sums = LogSums(
-            design[seen],
-            log_axes(observed.colours.reshape(-1, 3)[seen]) - values[seen],
-            np.array(prior.noise)[kind[seen]] / np.sqrt(photos[seen, None]),
+            design[seen_indices],
+            log_axes(observed.colours.reshape(-1, 3)[seen_indices]) - values[seen_indices],
+            np.array(prior.noise)[kind[seen_indices]] / np.sqrt(photos[seen_indices, None]),
             np.zeros_like(deviation),
             deviation,
         )
         expected = design @ sums.terms()
         if as_if_unseen:
-            expected[seen] = sums.left_out()
+            expected[seen_indices] = sums.left_out()
         values = values + expected
     return linear_to_srgb(np.minimum(from_log_axes(values), 1.0)).reshape(usual.shape)
 

@@ -101,8 +101,8 @@ def equal_shares(linear: np.ndarray, weights: np.ndarray) -> np.ndarray:
     colours = np.stack(sums, axis=1) / np.maximum(total, 1e-300)[:, None]
     # A heavy pixel spans several shares but is counted in one: give its colour to the others.
     middle = (np.arange(SHARES) + 0.5) / SHARES * ends[-1]
-    there = np.minimum(np.searchsorted(ends, middle), len(order) - 1)
-    colours = np.where((total > 0)[:, None], colours, linear[order[there]])
+    middle_places = np.minimum(np.searchsorted(ends, middle), len(order) - 1)
+    colours = np.where((total > 0)[:, None], colours, linear[order[middle_places]])
     return colours.astype(np.float32)
 
 
@@ -129,8 +129,8 @@ def usual_colour(shares: Iterable[np.ndarray], weights: Iterable[float]) -> np.n
     last = np.searchsorted(ends, starts + ALIKE - 1e-9)
     fits = np.flatnonzero(last < len(log))
     first = fits[(log[last[fits]] - log[fits]).argmin()]
-    alike = slice(first, last[first] + 1)
-    return np.average(colours[alike], axis=0, weights=weight[alike])
+    shortest_part = slice(first, last[first] + 1)
+    return np.average(colours[shortest_part], axis=0, weights=weight[shortest_part])
 
 
 def matte_colour(shares: Iterable[np.ndarray], weights: Iterable[float]) -> np.ndarray:
@@ -187,8 +187,8 @@ def without_glimpses(table: pd.DataFrame) -> pd.DataFrame:
     Such a floor lies in another light and is seen at a flat angle. The floor of the next room tells
     more about its colour.
     """
-    seen = table.groupby(["photo", "room_id", "surface"])["weight"].transform("sum")
-    return table[(table["surface"] != "floor") | table["own"] | (seen >= GLIMPSE)]
+    surface_weight = table.groupby(["photo", "room_id", "surface"])["weight"].transform("sum")
+    return table[(table["surface"] != "floor") | table["own"] | (surface_weight >= GLIMPSE)]
 
 
 def read_colours(

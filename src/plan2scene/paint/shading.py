@@ -165,10 +165,16 @@ def _shares(terms: np.ndarray, radius: np.ndarray) -> list[tuple[np.ndarray, np.
     middle = [np.median(terms[:, ring] ** 2) for ring in rings[_S.slow :]]
     beyond = float(np.median(middle)) / _CHI_SQUARE_MEDIAN
     result = []
-    for k, (ring, own) in enumerate(zip(rings[: _S.slow], power[: _S.slow], strict=True), start=1):
-        usual = beyond * (_S.slow / k) ** 0.5
-        material = usual if k <= _S.certain else max(usual, float(np.sort(own)[len(own) // 3]))
-        amplitude = np.sqrt(np.minimum(1.0, material / np.maximum(own, 1e-12)))
+    for k, (ring, ring_power) in enumerate(
+        zip(rings[: _S.slow], power[: _S.slow], strict=True), start=1
+    ):
+        usual_power = beyond * (_S.slow / k) ** 0.5
+        material = (
+            usual_power
+            if k <= _S.certain
+            else max(usual_power, float(np.sort(ring_power)[len(ring_power) // 3]))
+        )
+        amplitude = np.sqrt(np.minimum(1.0, material / np.maximum(ring_power, 1e-12)))
         result.append((ring, 1.0 - amplitude))
     return result
 

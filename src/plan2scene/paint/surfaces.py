@@ -58,8 +58,8 @@ def observations_of(path: str | Path, *, accents: bool = True) -> list[Observati
     table = without_glimpses(read_parquet(path)[0])
     table = table[table["surface"] != "frame"].copy()
     for room_id, walls in find_accents(table) if accents else ():
-        mine = (table["room_id"] == room_id) & (table["walls"] == walls)
-        table.loc[mine & (table["surface"] == "wall"), "surface"] = f"wall.{walls}"
+        accent_rows = (table["room_id"] == room_id) & (table["walls"] == walls)
+        table.loc[accent_rows & (table["surface"] == "wall"), "surface"] = f"wall.{walls}"
         rest = (table["room_id"] == room_id) & (table["surface"] == "wall")
         if table.loc[rest, "weight"].sum() < WHOLE:
             table = table[~rest]  # so few pixels beside an accent may be a curtain
@@ -69,7 +69,7 @@ def observations_of(path: str | Path, *, accents: bool = True) -> list[Observati
     table["key"] = table["key"].where(~doors | (table["walls"] != ""), unknown)
     groups = table.groupby(["photo", "key", "surface"], sort=True)
     mixed = {photo: _mixed_light(rows) for photo, rows in table.groupby("photo")}
-    found = []
+    observations = []
     for (photo, room_id, surface), rows in groups:
         weight = float(rows["weight"].sum())
         if weight > LEAST_WEIGHT:
@@ -79,15 +79,15 @@ def observations_of(path: str | Path, *, accents: bool = True) -> list[Observati
             red, green, blue = map(float, colour_of(shares, list(rows["weight"])))
             key, own = SurfaceKey(room_id, surface), bool(rows["own"].any())
             colour = red, green, blue
-            found.append(Observation(photo, key, own, weight, colour, mixed[photo]))
-    taken = {item.photo: (0.0, item.photo) for item in found}
-    for item in found:
+            observations.append(Observation(photo, key, own, weight, colour, mixed[photo]))
+    photo_rooms = {item.photo: (0.0, item.photo) for item in observations}
+    for item in observations:
         if item.own and item.surface.kind in SURFACES:
-            here = item.weight, item.surface.room_id
-            taken[item.photo] = max(taken[item.photo], here)
-    found = [replace(item, room=taken[item.photo][1]) for item in found]
-    within = {item.surface for item in found if item.own and item.weight > OWN_WEIGHT}
-    return [item for item in found if item.own or item.surface not in within]
+            weighted_room = item.weight, item.surface.room_id
+            photo_rooms[item.photo] = max(photo_rooms[item.photo], weighted_room)
+    observations = [replace(item, room=photo_rooms[item.photo][1]) for item in observations]
+    within = {item.surface for item in observations if item.own and item.weight > OWN_WEIGHT}
+    return [item for item in observations if item.own or item.surface not in within]
 
 
 def _mixed_light(planes: pd.DataFrame) -> float:
@@ -117,12 +117,12 @@ def trim_paint(colours: str | Path, light: Mapping[str, np.ndarray]) -> np.ndarr
     frames = table[(table["surface"] == "frame") & table["photo"].isin(light)]
     if frames.empty:
         return None
-    shown = [
+    frame_colours = [
         np.asarray(row.colours, np.float64).reshape(-1, 3) / light[row.photo]
         for row in frames.itertuples()
     ]
-    pixels = np.repeat(frames["weight"].to_numpy(), [len(shares) for shares in shown])
-    paint = np.concatenate(shown)
+    pixels = np.repeat(frames["weight"].to_numpy(), [len(shares) for shares in frame_colours])
+    paint = np.concatenate(frame_colours)
     labs = rgb_to_lab(linear_to_srgb(np.clip(paint, 0.0, 1.0)))
     opaque = labs[:, 0] < GLASS
     wood = opaque & is_wood(labs)
@@ -196,8 +196,8 @@ def write_paint(
     estimate = estimate_paint(one)
     paint = dict(estimate.paint)
     if panels := panelling(paint, estimate.white):
-        usual = np.exp(np.median([np.log(paint[key]) for key in panels], axis=0))
-        paint |= dict.fromkeys(panels, usual)
+        panel_paint = np.exp(np.median([np.log(paint[key]) for key in panels], axis=0))
+        paint |= dict.fromkeys(panels, panel_paint)
     photos: dict[SurfaceKey, list[str]] = {}
     shares: dict[SurfaceKey, float] = {}
     for item in observations:
@@ -268,17 +268,19 @@ def paint_gains(
     usual_white : (3,) float
         Linear reflectance of white paint.
     """
-    own = {key: paint[key] / shown[key] for key in shown if key in paint}
+    factors = {key: paint[key] / shown[key] for key in shown if key in paint}
     gains = {}
     for key in shown:
-        if key in own:
-            gains[key] = own[key]
+        if key in factors:
+            gains[key] = factors[key]
             continue
-        observed = [other for other in own if other.surface == key.surface]
+        observed = [other for other in factors if other.surface == key.surface]
         if key in whites:
             gains[key] = np.asarray(usual_white) / shown[key]
         else:
-            gains[key] = own[_alike(shown, key, observed or list(own))] if own else np.ones(3)
+            gains[key] = (
+                factors[_alike(shown, key, observed or list(factors))] if factors else np.ones(3)
+            )
     return gains
 
 
@@ -351,10 +353,10 @@ def door_paints(
     """
     doors = {key.room_id: value for key, value in paint.items() if key.surface == "door"}
     names = [name for name in doors if SurfaceKey(name, "door") not in white]
-    alike = [names[k] for k in _commonest([doors[name] for name in names])]
-    if alike:
-        one = np.asarray(np.exp(np.mean([np.log(doors[name]) for name in alike], axis=0)))
-        doors |= dict.fromkeys(alike, one)
-    usual = 2 * len(names) >= len(doors) + 2
+    alike_doors = [names[k] for k in _commonest([doors[name] for name in names])]
+    if alike_doors:
+        one = np.asarray(np.exp(np.mean([np.log(doors[name]) for name in alike_doors], axis=0)))
+        doors |= dict.fromkeys(alike_doors, one)
+    coloured = 2 * len(names) >= len(doors) + 2
     placed = {name: value for name, value in doors.items() if not name.startswith(UNPLACED)}
-    return placed | ({"": np.median([doors[name] for name in names], axis=0)} if usual else {})
+    return placed | ({"": np.median([doors[name] for name in names], axis=0)} if coloured else {})

@@ -199,10 +199,12 @@ def _label_photo(
     bare = np.isin(plain, (FLOOR, CEILING)).mean() <= _OF_A_ROOM  # else it may be a conservatory
     if kinds.size and bare and labeller.outside and labeller.outside(image):
         kinds = np.zeros_like(kinds)
-    told = [round(p, 4) for p in kinds.tolist()]
+    kind_probabilities = [round(p, 4) for p in kinds.tolist()]
     looks = [colours_of(image)] if find_rooms else []
     looks += [labeller.look(image)] if find_rooms and labeller.look else []
-    return _Shot(camera, segments, exif, told, find_points(image), reduced(image), looks), lines
+    return _Shot(
+        camera, segments, exif, kind_probabilities, find_points(image), reduced(image), looks
+    ), lines
 
 
 def _focal_warnings(camera: Camera, exif: ExifFocal) -> list[str]:

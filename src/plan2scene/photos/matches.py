@@ -89,12 +89,12 @@ def find_points(image: np.ndarray) -> Points:
     small = cv2.resize(image, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA)
     grey = cv2.createCLAHE(2.0, (8, 8)).apply(cv2.cvtColor(small, cv2.COLOR_RGB2GRAY))
     finder = cv2.SIFT.create(MATCHES.points, contrastThreshold=MATCHES.contrast)
-    found, looks = finder.detectAndCompute(grey, None)
-    if not found:
+    keypoints, looks = finder.detectAndCompute(grey, None)
+    if not keypoints:
         return Points(np.zeros((0, 2), np.float32), np.zeros((0, 128), np.float32))
-    order = np.argsort([-point.response for point in found], kind="stable")[: MATCHES.points]
+    order = np.argsort([-point.response for point in keypoints], kind="stable")[: MATCHES.points]
     roots = np.sqrt(looks / np.maximum(looks.sum(axis=1, keepdims=True), 1e-9))
-    places = np.array([point.pt for point in found], np.float32)
+    places = np.array([point.pt for point in keypoints], np.float32)
     return Points(places[order], roots[order].astype(np.float32), zoom)
 
 
@@ -104,16 +104,16 @@ def same_spot(seen_by_both: Sequence[SeenByBoth]) -> dict[tuple[str, str], int]:
     The turn is in quarter turns, 0 to 3: by so much the azimuth of a thing in the first photo's
     Manhattan frame is larger than in the second photo's.
     """
-    found = {}
-    for pair, ahead, seen in seen_by_both:
+    turn_of_pair = {}
+    for pair, ahead, other_rays in seen_by_both:
         agree = [
             (np.sum(ahead * turned, axis=1) > np.cos(np.radians(SPOTS.agrees_deg))).sum()
-            for turned in _quarter_turns(seen)
+            for turned in _quarter_turns(other_rays)
         ]
         quarters = int(np.argmax(agree))
         if agree[quarters] >= max(MATCHES.least, SPOTS.share * len(ahead)):
-            found[pair] = quarters
-    return found
+            turn_of_pair[pair] = quarters
+    return turn_of_pair
 
 
 def same_things(seen_by_both: Sequence[SeenByBoth]) -> dict[tuple[str, str], int]:
@@ -121,16 +121,16 @@ def same_things(seen_by_both: Sequence[SeenByBoth]) -> dict[tuple[str, str], int
 
     Enough matches of a pair must agree with one turn and one direction between the cameras.
     """
-    found = {}
-    for pair, ahead, seen in seen_by_both:
+    turn_of_pair = {}
+    for pair, ahead, other_rays in seen_by_both:
         rng = generator(0, "same things", *pair)
         starts = rng.integers(len(ahead), size=(TURNS.ways, 2))
-        agree = [_moved(ahead, turned, starts) for turned in _quarter_turns(seen)]
+        agree = [_moved(ahead, turned, starts) for turned in _quarter_turns(other_rays)]
         second, first = sorted(agree)[-2:]
         least = max(TURNS.least, TURNS.share * len(ahead), TURNS.lead * second)
         if first >= least:
-            found[pair] = int(np.argmax(agree))
-    return found
+            turn_of_pair[pair] = int(np.argmax(agree))
+    return turn_of_pair
 
 
 def _moved(ahead: np.ndarray, seen: np.ndarray, starts: np.ndarray) -> int:

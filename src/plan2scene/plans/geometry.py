@@ -57,7 +57,7 @@ def find_doors(rooms: Sequence[Room], walls: Iterable[Wall]) -> tuple[Door, ...]
     by_level: dict[str, list[Room]] = {}
     for room in rooms:
         by_level.setdefault(room.level, []).append(room)
-    behind = {level: _RoomsNear(own) for level, own in by_level.items()}
+    behind = {level: _RoomsNear(level_rooms) for level, level_rooms in by_level.items()}
     doors: dict[tuple[str, frozenset[str | None]], Door] = {}
     for wall in walls:
         for opening in wall.openings:
@@ -65,9 +65,9 @@ def find_doors(rooms: Sequence[Room], walls: Iterable[Wall]) -> tuple[Door, ...]
                 continue
             room_a = wall.room_ids[0]
             near = behind[level_of[room_a]].of
-            others = [*wall.room_ids[1:], *(r for r in owners[opening.id] if r != room_a)]
+            other_rooms = [*wall.room_ids[1:], *(r for r in owners[opening.id] if r != room_a)]
             middle = point_along(wall, (opening.start + opening.end) / 2)
-            room_b = others[0] if others else near(middle, room_a, wall.depth)
+            room_b = other_rooms[0] if other_rooms else near(middle, room_a, wall.depth)
             key = (opening.id, frozenset((room_a, room_b)))
             doors.setdefault(key, Door(room_a, opening.id, room_b))
     return tuple(doors.values())

@@ -96,10 +96,10 @@ def _matches(lines: np.ndarray, segment: Segment) -> list[_Match]:
     straight = np.abs(across[1] - across[0]) <= math.tan(MAX_ANGLE) * (high - low)
     inside = np.minimum(high, length) - np.maximum(low, 0.0)
     distance = np.abs(across[0] + across[1]) / 2
-    found = straight & (high > low) & (inside >= MIN_SHARE * (high - low))
+    is_match = straight & (high > low) & (inside >= MIN_SHARE * (high - low))
     return [
         _Match(int(k), float(low[k]), float(high[k]), float(distance[k]))
-        for k in np.flatnonzero(found)
+        for k in np.flatnonzero(is_match)
     ]
 
 

@@ -42,7 +42,9 @@ def house_of_plan(document: Any, house_id: str, *, file: str = "") -> House:
     _check_schema(source, document)
     levels = read_levels(source, document)
     heights = {level.id: level.height for level in levels}
-    told = any("height" in entry for key in ("rooms", "levels") for entry in document.get(key, []))
+    has_heights = any(
+        "height" in entry for key in ("rooms", "levels") for entry in document.get(key, [])
+    )
     rooms = []
     for entry in document["rooms"]:
         rings = [
@@ -67,7 +69,7 @@ def house_of_plan(document: Any, house_id: str, *, file: str = "") -> House:
         levels=levels,
         stairs=linked(_stairs(source, document.get("stairs", []), levels), rooms, levels),
         name=source.shown_name(document.get("name")),
-        heights="" if told and document.get("heights") != USUAL else USUAL,
+        heights="" if has_heights and document.get("heights") != USUAL else USUAL,
         warnings=tuple(source.warnings),
     )
 
@@ -84,14 +86,18 @@ def _with_openings(
     for wall in walls:
         by_level.setdefault(level_by_room[wall.room_ids[0]], []).append(wall)
     placed = []
-    for level, own in by_level.items():
-        mine = segments.get(level, [])
+    for level, level_walls in by_level.items():
+        level_segments = segments.get(level, [])
         try:
-            placed += place_openings(source, own, mine, tolerance=SNAP_TOLERANCE)
+            placed += place_openings(source, level_walls, level_segments, tolerance=SNAP_TOLERANCE)
         except InputError:
-            others = [wall for name, walls in by_level.items() if name != level for wall in walls]
-            mine = [s for s in mine if _on_level(source, s, level, own, others)]
-            placed += place_openings(source, own, mine, tolerance=SNAP_TOLERANCE)
+            other_walls = [
+                wall for name, walls in by_level.items() if name != level for wall in walls
+            ]
+            level_segments = [
+                s for s in level_segments if _on_level(source, s, level, level_walls, other_walls)
+            ]
+            placed += place_openings(source, level_walls, level_segments, tolerance=SNAP_TOLERANCE)
     return placed
 
 
@@ -176,9 +182,9 @@ def _schema_fault(source: Source, error: Any, place: str, room: str) -> InputErr
             missing = [key for key in error.validator_value if key not in error.instance]
             expected, found = f"key {missing[0]!r}{where}", "none"
         case "additionalProperties":
-            known = list(error.schema["properties"])
-            extra = [key for key in error.instance if key not in known]
-            expected, found = f"only the keys {', '.join(known)}{where}", repr(extra[0])
+            allowed = list(error.schema["properties"])
+            extra = [key for key in error.instance if key not in allowed]
+            expected, found = f"only the keys {', '.join(allowed)}{where}", repr(extra[0])
         case "type":
             expected = f"{error.validator_value}{where}"
         case _:

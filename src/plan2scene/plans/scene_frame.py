@@ -54,8 +54,8 @@ def _region(value: Any) -> Any:
         return value
     names = value.get("types", value.get("type"))
     listed = names if isinstance(names, list) else [names]
-    read = [room_types(name) or ("other",) for name in listed if isinstance(name, str)]
-    return {**value, "types": [name for found in read for name in found]}
+    types_of_names = [room_types(name) or ("other",) for name in listed if isinstance(name, str)]
+    return {**value, "types": [name for types in types_of_names for name in types]}
 
 
 def _plain_ids(value: Any, key: str = "") -> Any:

@@ -148,7 +148,7 @@ def _read_wall(
     if len(points) != 2:
         raise source.fault(f"two points of wall {wall_id}", len(points), room)
     (x0, _, z0), (x1, _, z1) = (source.point(p, "a wall", room) for p in points)
-    known = {key: value for key, value in element.items() if value is not None}
+    values = {key: value for key, value in element.items() if value is not None}
     tall = max(rooms[room_id].height for room_id in room_ids)
     extra = element.get("extra_height", element.get("extraHeight", defaults["extraHeight"]))
     wall = Wall(
@@ -156,8 +156,8 @@ def _read_wall(
         room_ids=tuple(room_ids),
         start=(x0, z0),
         end=(x1, z1),
-        height=source.number(known.get("height", tall), "a wall's height", room),
-        depth=source.number(known.get("depth", defaults["depth"]), "a depth", room),
+        height=source.number(values.get("height", tall), "a wall's height", room),
+        depth=source.number(values.get("depth", defaults["depth"]), "a depth", room),
         extra_height=source.number(extra, "extra_height", room),
     )
     if wall.length <= SAME_POINT:
@@ -270,7 +270,7 @@ def _read_rooms(
     """
     plates = _read_plates(source, elements)
     types = _room_types(source, arch, list(plates["Floor"] or plates["Ceiling"]))
-    shown = {
+    shown_names = {
         str(entry.get("id")): source.shown_name(entry.get("name"))
         for entry in source.items(arch.get("rooms"), "rooms")
     }
@@ -298,7 +298,9 @@ def _read_rooms(
             source.warn(f"a floor at y = {there}", f"y = {base:g}, moved to {there}", room_id)
         top = ceilings[room_id][1] if room_id in ceilings else None
         height = _room_height(source, room_id, base, top, elements)
-        rooms[room_id] = Room(room_id, names, plate[0], height, level.id, shown.get(room_id, ""))
+        rooms[room_id] = Room(
+            room_id, names, plate[0], height, level.id, shown_names.get(room_id, "")
+        )
     return rooms, levels
 
 
@@ -335,8 +337,8 @@ def _room_types(
         names = [names] if isinstance(names, str) else source.items(names, "room types")
         if not names:
             source.warn("a room type", "none; read as Unknown", room_id)
-        read = [source.room_type(name, room_id) for name in names] or ["Unknown"]
-        types[room_id] = tuple(dict.fromkeys(read))
+        listed_types = [source.room_type(name, room_id) for name in names] or ["Unknown"]
+        types[room_id] = tuple(dict.fromkeys(listed_types))
     return types
 
 

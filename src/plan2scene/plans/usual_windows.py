@@ -81,7 +81,7 @@ def _chosen(
     """Yield the walls of a room that get a window, with their free stretch."""
     open_air = {other.id for other in storey.rooms if other.open_air}
     polygon = room_polygon(room)
-    found = []
+    stretches = []
     for wall in storey.walls_of(room.id):
         low, high = max(_free(wall), key=lambda span: span[1] - span[0])
         if high - low < USUAL_WINDOWS.width[0] or not set(wall.room_ids) <= {room.id, *open_air}:
@@ -89,19 +89,19 @@ def _chosen(
         middle, inwards = point_along(wall, (low + high) / 2), inner_normal(wall, polygon)
         ends = (USUAL_WINDOWS.outside, USUAL_WINDOWS.view)
         if not LineString([middle - away * inwards for away in ends]).intersects(built):
-            found.append((wall, (low, high)))
-    found.sort(key=lambda item: item[1][0] - item[1][1])
-    ways = [np.subtract(wall.end, wall.start) / wall.length for wall, _ in found]
-    yield from found[:1]
+            stretches.append((wall, (low, high)))
+    stretches.sort(key=lambda item: item[1][0] - item[1][1])
+    ways = [np.subtract(wall.end, wall.start) / wall.length for wall, _ in stretches]
+    yield from stretches[:1]
     if polygon.area >= USUAL_WINDOWS.large_m2:
         across = (k for k, way in enumerate(ways) if abs(way @ ways[0]) < 0.7)
-        yield from (found[k] for k in list(across)[:1])
+        yield from (stretches[k] for k in list(across)[:1])
 
 
 def _free(wall: Wall) -> Iterator[tuple[float, float]]:
     """Yield (low, high) of a wall's stretches away from corners and openings, metres along it."""
-    taken = sorted((opening.start, opening.end) for opening in wall.openings)
-    for (_, low), (high, _) in pairwise([(0.0, 0.0), *taken, (wall.length, wall.length)]):
+    opening_spans = sorted((opening.start, opening.end) for opening in wall.openings)
+    for (_, low), (high, _) in pairwise([(0.0, 0.0), *opening_spans, (wall.length, wall.length)]):
         yield low + USUAL_WINDOWS.beside, high - USUAL_WINDOWS.beside
 
 

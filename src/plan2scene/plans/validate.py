@@ -137,8 +137,8 @@ def _holes(house: House) -> Iterator[_Line]:
                 expected = f"hole {opening.id} of at least {NARROW:g} m"
                 yield expected, f"{width:.3f} m", wall.room_ids[0]
     low, high = USUAL_DOOR
-    if doors and not low <= (usual := statistics.median(doors)) <= high:
-        found = f"{usual:.2f} m (is the plan's unit the metre?)"
+    if doors and not low <= (median_width := statistics.median(doors)) <= high:
+        found = f"{median_width:.2f} m (is the plan's unit the metre?)"
         yield f"a usual door of {low:g} to {high:g} m", found, ""
 
 
@@ -146,18 +146,18 @@ def _islands(house: House) -> Iterator[_Line]:
     """Yield a warning of rooms that stand apart from the first room's group."""
     polygons = [room_polygon(room) for room in house.rooms]
     pairs = STRtree(polygons).query(polygons, predicate="dwithin", distance=APART)
-    near: dict[int, list[int]] = defaultdict(list)
+    neighbours: dict[int, list[int]] = defaultdict(list)
     for i, j in zip(*pairs.tolist(), strict=True):
-        near[i].append(j)
-    seen, queue = {0}, [0]
+        neighbours[i].append(j)
+    reached, queue = {0}, [0]
     while queue:
-        for j in near[queue.pop()]:
-            if j not in seen:
-                seen.add(j)
+        for j in neighbours[queue.pop()]:
+            if j not in reached:
+                reached.add(j)
                 queue.append(j)
-    others = [i for i in range(len(polygons)) if i not in seen]
+    others = [i for i in range(len(polygons)) if i not in reached]
     if others:
-        group = [polygons[i] for i in sorted(seen)]
+        group = [polygons[i] for i in sorted(reached)]
         far = min((polygon.distance(polygons[others[0]]) for polygon in group), default=math.inf)
         found = f"{len(others)} apart from the others, the first by {far:.1f} m"
         yield f"rooms within {APART:g} m of each other", found, house.rooms[others[0]].id
@@ -215,10 +215,10 @@ def house_faults(house: House, *, file: str | Path = "") -> Iterator[InputError]
     yield from _level_faults(house, fault)
     for wall in house.walls:
         yield from _wall_faults(house, wall, fault)
-    known = {room.id for room in house.rooms}
+    room_ids = {room.id for room in house.rooms}
     for door in house.doors:
         for room_id in (door.room_a, door.room_b):
-            if room_id is not None and room_id not in known:
+            if room_id is not None and room_id not in room_ids:
                 yield fault(f"rooms of this plan at door {door.opening_id}", room_id)
 
 
@@ -286,8 +286,8 @@ def _room_faults(room: Room, fault: _Fault) -> Iterator[InputError]:
 
 def _wall_faults(house: House, wall: Wall, fault: _Fault) -> Iterator[InputError]:
     """Yield what is wrong with a wall and its holes."""
-    known = {room.id for room in house.rooms}
-    if not 1 <= len(wall.room_ids) <= 2 or not set(wall.room_ids) <= known:
+    room_ids = {room.id for room in house.rooms}
+    if not 1 <= len(wall.room_ids) <= 2 or not set(wall.room_ids) <= room_ids:
         yield fault(f"one or two rooms of this plan at wall {wall.id}", ", ".join(wall.room_ids))
         return
     room = wall.room_ids[0]

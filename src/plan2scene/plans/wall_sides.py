@@ -341,9 +341,9 @@ def _cut_behind(
         if not -MATCH_DISTANCE < offset.mean() < 0.1 or s1 - s0 < 0.05:
             continue
         hole = box(s0, copy.hole.bottom, s1, top)
-        mine = openings.holes[side.wall.id, side.room_id]
-        if not any(other.intersects(hole) for other in mine):
-            mine.append(hole)
+        side_holes = openings.holes[side.wall.id, side.room_id]
+        if not any(other.intersects(hole) for other in side_holes):
+            side_holes.append(hole)
 
 
 def railing_sides(

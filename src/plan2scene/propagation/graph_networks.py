@@ -213,8 +213,8 @@ def load_propagation(path: str | Path) -> tuple[Network, TypeMeans]:
     kind = str(sizes.pop("network", "gated"))
     if kind not in NETWORKS:
         raise InputError(f"a propagation network of {', '.join(NETWORKS)}", str(kind), file=path)
-    own = {k.removeprefix(_NETWORK): v for k, v in state.items() if k.startswith(_NETWORK)}
-    network = filled(lambda: NETWORKS[kind](**sizes), own, "a propagation network", path)
+    weights = {k.removeprefix(_NETWORK): v for k, v in state.items() if k.startswith(_NETWORK)}
+    network = filled(lambda: NETWORKS[kind](**sizes), weights, "a propagation network", path)
     means = [state.get(_PRIOR + name) for name in ("embedding", "naive")]
     if means[0] is None or means[1] is None:
         raise InputError("means by room type", "none", file=path)

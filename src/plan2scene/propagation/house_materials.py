@@ -119,20 +119,22 @@ def find_materials(
     for kind in SURFACES:
         of_kind = crops[crops["surface"] == kind]
         spread = _spread_within(of_kind)
-        seen = [
+        seen_surfaces = [
             _seen_surface(row, of_kind[of_kind["room_id"] == row.room_id], gains, spread)
             for row in table[table["surface"] == kind].itertuples()
         ]
-        index = [place[item.room_id] for item in seen]
-        pairs = pair_evidence(seen, kind, doors[np.ix_(index, index)])
+        index = [place[item.room_id] for item in seen_surfaces]
+        pairs = pair_evidence(seen_surfaces, kind, doors[np.ix_(index, index)])
         if kind == "floor":
-            substances = np.array([item.substance for item in seen])
+            substances = np.array([item.substance for item in seen_surfaces])
             alike = substances[:, None] == substances[None]
             wide = open_[np.ix_(index, index)]
             pairs += EVIDENCE.passage * np.where(alike, wide, np.minimum(wide, 1.0))
         groups = grouped(pairs)
         for number, (members, evidence) in enumerate(groups, start=1):
-            rows += _rows_of([seen[k] for k in members], f"{kind}-{number}", kind, evidence)
+            rows += _rows_of(
+                [seen_surfaces[k] for k in members], f"{kind}-{number}", kind, evidence
+            )
     write_parquet(
         output, pd.DataFrame(rows, columns=_COLUMNS), {"dataset": dataset, "house": house}
     )

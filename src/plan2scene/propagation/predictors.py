@@ -71,9 +71,9 @@ def nearest_room(graph: HouseGraph, means: TypeMeans) -> np.ndarray:
     values = house_mean(graph, means)
     doors = doors_between(len(graph.room_ids), graph.edges)
     for j in range(len(SURFACES)):
-        seen = np.flatnonzero(graph.observed[:, j])
-        if len(seen):
-            nearest = seen[doors[:, seen].argmin(axis=1)]
+        observed_rooms = np.flatnonzero(graph.observed[:, j])
+        if len(observed_rooms):
+            nearest = observed_rooms[doors[:, observed_rooms].argmin(axis=1)]
             led = np.isfinite(doors[np.arange(len(doors)), nearest])
             values[led, j] = graph.embeddings[nearest[led], j]
     return values
@@ -111,14 +111,14 @@ def predict(network: Network, graph: HouseGraph) -> Prediction:
         embedding = embedding * network.deviation + network.centre
         confidence = 1.0 - mixture.log_own.exp()
         likeliest = weights.argmax(1)
-        alike = likeliest.masked_fill(likeliest == len(graph.room_ids), -1)
+        alike_rooms = likeliest.masked_fill(likeliest == len(graph.room_ids), -1)
     else:
         data = graph_data(graph)
         embedding = network(data.x, data.edge_index)
         confidence = torch.full((len(graph.room_ids), len(SURFACES)), torch.nan)
-        alike = torch.full(confidence.shape, -1)
+        alike_rooms = torch.full(confidence.shape, -1)
     embedding[..., _COLOUR:].clamp_(0.0, 1.0)
-    return Prediction(embedding.numpy(), confidence.numpy(), alike.numpy())
+    return Prediction(embedding.numpy(), confidence.numpy(), alike_rooms.numpy())
 
 
 def mixture_components(
@@ -135,8 +135,8 @@ def mixture_components(
     weights = values.new_zeros(rooms, rooms + 1, len(SURFACES))
     weights[target, source] = mixture.log_copies.exp()
     weights[:, rooms] = mixture.log_own.exp()
-    others = values.expand(rooms, *values.shape)
-    return torch.cat([others, mixture.own[:, None]], dim=1), weights
+    room_values = values.expand(rooms, *values.shape)
+    return torch.cat([room_values, mixture.own[:, None]], dim=1), weights
 
 
 def robust_centre(values: Tensor, weights: Tensor, reach: Tensor) -> Tensor:
@@ -201,15 +201,15 @@ def by_house(
     embedding = share * network_says.embedding + (1.0 - share) * house_says
     embedding = embedding.astype(np.float32)
     usual = room_type_mean(graph, means)[..., -3:]
-    seen = None if photo_colours is None else expected_colours(photo_colours, usual)
-    alike = nearest_rooms(graph, embedding)
+    seen_colours = None if photo_colours is None else expected_colours(photo_colours, usual)
+    alike_rooms = nearest_rooms(graph, embedding)
     floor = SURFACES.index("floor")
     kin = kindred_floors(graph)
-    like, own = graph.embeddings[kin, floor], np.flatnonzero(kin >= 0)
-    if seen is not None:
-        like[:, _COLOUR:] = seen[kin, floor]
-    embedding[own, floor], alike[own, floor] = like[own], kin[own]
-    return Prediction(embedding, confidence.astype(np.float32), alike, seen)
+    like, rows = graph.embeddings[kin, floor], np.flatnonzero(kin >= 0)
+    if seen_colours is not None:
+        like[:, _COLOUR:] = seen_colours[kin, floor]
+    embedding[rows, floor], alike_rooms[rows, floor] = like[rows], kin[rows]
+    return Prediction(embedding, confidence.astype(np.float32), alike_rooms, seen_colours)
 
 
 def kindred_floors(graph: HouseGraph) -> np.ndarray:
@@ -259,11 +259,11 @@ def network_share(
     for place in zip(*np.nonzero(graph.observed), strict=True):
         kept = graph.observed.copy()
         kept[place] = False
-        others = replace(graph, observed=kept, embeddings=graph.embeddings * kept[..., None])
+        reduced_graph = replace(graph, observed=kept, embeddings=graph.embeddings * kept[..., None])
         true = graph.embeddings[place]
         gap += (
-            _apart(predict(network, others).embedding[place], true)
-            - _apart(house_evidence(others, means, known.without(place))[place], true)
+            _apart(predict(network, reduced_graph).embedding[place], true)
+            - _apart(house_evidence(reduced_graph, means, known.without(place))[place], true)
         ) / _S.error_scale
     return float(1.0 / (1.0 + np.exp(np.clip(gap, -50.0, 50.0))))
 

@@ -145,8 +145,8 @@ def _metres(known: Mapping[SurfaceKey, float], key: SurfaceKey) -> float:
     if np.isfinite(known.get(key, np.nan)):
         return known[key]
     alike = [v for k, v in known.items() if k.surface == key.surface and np.isfinite(v)]
-    every = alike or [v for v in known.values() if np.isfinite(v)]
-    return float(np.median(every)) if every else DEFAULT_METRES
+    metres = alike or [v for v in known.values() if np.isfinite(v)]
+    return float(np.median(metres)) if metres else DEFAULT_METRES
 
 
 def unseen_substances(
@@ -164,12 +164,12 @@ def unseen_substances(
     """
     both = np.stack([predicted.embedding, graph.embeddings])
     likely, looks = substances_of(both, types, texture_model)
-    own = np.array([not FLOORS_OF.keys().isdisjoint(names) for names in types])
-    for (row, kind), alike in np.ndenumerate(predicted.alike):
-        if SURFACES[kind] == "floor" and own[row] and not own[alike]:
+    has_own_floors = np.array([not FLOORS_OF.keys().isdisjoint(names) for names in types])
+    for (row, kind), alike_room in np.ndenumerate(predicted.alike):
+        if SURFACES[kind] == "floor" and has_own_floors[row] and not has_own_floors[alike_room]:
             continue
-        if alike >= 0 and looks[alike, kind] == likely[row, kind]:
-            likely[row, kind] = named.get((int(alike), kind), likely[row, kind])
+        if alike_room >= 0 and looks[alike_room, kind] == likely[row, kind]:
+            likely[row, kind] = named.get((int(alike_room), kind), likely[row, kind])
     return likely
 
 
@@ -189,6 +189,6 @@ def substances_of(
     with fitting("a substance head", texture_model):
         scores = embeddings[..., : weight.shape[1]] @ weight.T + bias
     shares = np.exp(scores - scores.max(axis=-1, keepdims=True))
-    usual = np.array([[usual_shares(kind, names) for kind in SURFACES] for names in types])
-    shares = weighed(shares / shares.sum(axis=-1, keepdims=True), usual)
+    prior_shares = np.array([[usual_shares(kind, names) for kind in SURFACES] for names in types])
+    shares = weighed(shares / shares.sum(axis=-1, keepdims=True), prior_shares)
     return np.array(SUBSTANCES)[shares.argmax(-1)]

@@ -50,16 +50,16 @@ def weighed(probabilities: np.ndarray, usual: np.ndarray) -> np.ndarray:
 
     Bayes' rule: the texture model's probabilities, softened by `TEMPERATURE`, times the prior.
     """
-    found = np.maximum(probabilities, 1e-12) ** (1.0 / TEMPERATURE) * usual
-    return np.asarray(found / found.sum(axis=-1, keepdims=True), dtype=np.float32)
+    posterior = np.maximum(probabilities, 1e-12) ** (1.0 / TEMPERATURE) * usual
+    return np.asarray(posterior / posterior.sum(axis=-1, keepdims=True), dtype=np.float32)
 
 
 def jointed_floors(embeddings: pd.DataFrame, house: House) -> dict[str, tuple[float, float]]:
     """Return by room the probabilities that its floor is wood and tiles, from its crops' rows."""
-    found = {}
+    floor_probabilities = {}
     floors = embeddings[embeddings["crop_id"].str.startswith("floor/")]
     for room, rows in floors.groupby("room_id"):
-        usual = usual_shares("floor", house.room(str(room)).types)
-        shares = weighed(np.stack(rows["substance_probabilities"].to_list()), usual).mean(axis=0)
-        found[str(room)] = float(shares[0]), float(shares[3])
-    return found
+        prior = usual_shares("floor", house.room(str(room)).types)
+        shares = weighed(np.stack(rows["substance_probabilities"].to_list()), prior).mean(axis=0)
+        floor_probabilities[str(room)] = float(shares[0]), float(shares[3])
+    return floor_probabilities

@@ -32,6 +32,6 @@ def mean_by_type(types: np.ndarray, surface: np.ndarray, values: np.ndarray) -> 
         rows = surface == j
         overall = values[rows].mean(axis=0) if rows.any() else np.zeros(values.shape[1])
         for i in range(len(ROOM_TYPES)):
-            mine = rows & (types[:, i] > 0)
-            result[i, j] = values[mine].mean(axis=0) if mine.any() else overall
+            type_rows = rows & (types[:, i] > 0)
+            result[i, j] = values[type_rows].mean(axis=0) if type_rows.any() else overall
     return result

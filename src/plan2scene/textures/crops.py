@@ -131,19 +131,19 @@ def choose_crop(
     `others` those of other houses. `own_crop` chooses among the own crops of an observed surface.
     The random draw depends on the global seed, the house and the surface alone.
     """
-    own = [crop for crop in crops if crop.key == key]
-    if own:
-        crop = own_crop(own)
+    own_crops = [crop for crop in crops if crop.key == key]
+    if own_crops:
+        crop = own_crop(own_crops)
         return Choice(crop, crop.crop_id)
     types = set(plan.room(key.room_id).types)
     same_surface = [crop for crop in crops if crop.key.surface == key.surface]
-    elsewhere = [other for other in others if other.crop.key.surface == key.surface]
+    pool_crops = [other for other in others if other.crop.key.surface == key.surface]
     related = [c for c in same_surface if types & set(plan.room(c.key.room_id).types)]
     pools = (
         ("a room of its type", related),
-        ("such a room of another house", [o.crop for o in elsewhere if types & set(o.types)]),
+        ("such a room of another house", [o.crop for o in pool_crops if types & set(o.types)]),
         (f"another {key.surface} of the house", same_surface),
-        (f"a {key.surface} of another house", [other.crop for other in elsewhere]),
+        (f"a {key.surface} of another house", [other.crop for other in pool_crops]),
         ("another surface of the house", list(crops)),
     )
     for name, pool in pools:

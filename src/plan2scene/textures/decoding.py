@@ -47,19 +47,22 @@ def decoded_tiles(inputs: TextureInputs, model: str, column: str) -> Mapping[Sur
 
     Their noise derives from (seed, house, room, surface).
     """
-    settings, made = inputs.settings, inputs.data.decoded
-    known = inputs.models[model], settings.seed, settings.size_px
+    settings, image_cache = inputs.settings, inputs.data.decoded
+    settings_key = inputs.models[model], settings.seed, settings.size_px
     codes = [getattr(surface, column).tobytes() for surface in inputs.surfaces]
     known_as = [
-        (*known, surface.key, code) for surface, code in zip(inputs.surfaces, codes, strict=True)
+        (*settings_key, surface.key, code)
+        for surface, code in zip(inputs.surfaces, codes, strict=True)
     ]
-    new = [k for k, key in enumerate(known_as) if key not in made]
+    new = [k for k, key in enumerate(known_as) if key not in image_cache]
     surfaces = [inputs.surfaces[k] for k in new]
     images, periodic = _decoded(inputs, model, column, surfaces, [()] * len(new))
-    made.update((known_as[k], (image, periodic)) for k, image in zip(new, images, strict=True))
+    image_cache.update(
+        (known_as[k], (image, periodic)) for k, image in zip(new, images, strict=True)
+    )
     tiles = {}
     for surface, key in zip(inputs.surfaces, known_as, strict=True):
-        image, periodic = made[key]
+        image, periodic = image_cache[key]
         tiles[surface.key] = Tile(image, surface.size_m, surface.source, periodic)
     return tiles
 
@@ -79,8 +82,8 @@ def further_images(
     (the paper takes 24 seeds). These images differ from the surface's tile (:func:`decoded_tiles`)
     in their noise only. With `seamless`, seams are repaired if the model's images do not tile.
     """
-    known = {surface.key: surface for surface in inputs.surfaces}
-    places = [(known[key], (k,)) for key in keys for k in range(1, count + 1)]
+    surface_by_key = {surface.key: surface for surface in inputs.surfaces}
+    places = [(surface_by_key[key], (k,)) for key in keys for k in range(1, count + 1)]
     surfaces, numbers = [s for s, _ in places], [k for _, k in places]
     images, periodic = _decoded(inputs, model, column, surfaces, numbers)
     if seamless and not periodic:
@@ -130,8 +133,8 @@ def constrained_tiles(
         if surface.source not in images or surface.tone is None:
             continue
         alike = [crop.crop_id for crop in inputs.crops if crop.key == key]
-        others = [images[name] for name in alike if name != surface.source]
-        even = even_crop(images[surface.source], others, surface.tone, len(tile.image))
+        other_images = [images[name] for name in alike if name != surface.source]
+        even = even_crop(images[surface.source], other_images, surface.tone, len(tile.image))
         seed = derive_seed(inputs.settings.seed, inputs.data.files.house_id, *key, "statistics")
         matched = match_statistics(tile.image, even, seed)
         result[key] = replace(tile, image=matched, source=f"{tile.source}, its statistics")

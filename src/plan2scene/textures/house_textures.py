@@ -130,15 +130,15 @@ def house_tiles(name: str, inputs: TextureInputs) -> dict[SurfaceKey, Tile]:
 
 def _made(method: TextureMethod, inputs: TextureInputs) -> dict[SurfaceKey, Tile]:
     """Return a method's tiles; where it has none, its fallback's, with the reason in the source."""
-    made = method.make(inputs)
-    others: dict[SurfaceKey, Tile] = {}
-    if method.fallback and any(isinstance(tile, NoTile) for tile in made.values()):
-        others = _made(method_named(method.fallback), inputs)
+    method_tiles = method.make(inputs)
+    fallback_tiles: dict[SurfaceKey, Tile] = {}
+    if method.fallback and any(isinstance(tile, NoTile) for tile in method_tiles.values()):
+        fallback_tiles = _made(method_named(method.fallback), inputs)
     tiles = {}
     for surface in inputs.surfaces:
-        tile = made[surface.key]
+        tile = method_tiles[surface.key]
         if isinstance(tile, NoTile):
-            other = others[surface.key]
+            other = fallback_tiles[surface.key]
             tile = replace(other, source=f"decoded from {other.source}: {tile.reason}")
         tiles[surface.key] = tile
     return tiles
@@ -167,9 +167,9 @@ def table_textures(
         for drop, visible in drops.items():
             inputs = data.at(visible, models, settings)
             for method in methods:
-                made, target = (ready or {}).get((drop, method)), folder / drop / method
-                if made:
-                    shutil.copytree(made, target, ignore=_MAPS)
+                ready_folder, target = (ready or {}).get((drop, method)), folder / drop / method
+                if ready_folder:
+                    shutil.copytree(ready_folder, target, ignore=_MAPS)
                 else:
                     write_tiles(target, method, inputs.surfaces, house_tiles(method, inputs))
                 if method_named(method).noise and images > 1:
@@ -179,11 +179,11 @@ def table_textures(
 def _write_more(folder: Path, method: str, inputs: TextureInputs, count: int) -> None:
     """Write `count` further images of each surface with crops."""
     crops = inputs.data.crops
-    seen = set(zip(crops["room_id"], crops["surface"], strict=True))
-    keys = [surface.key for surface in inputs.surfaces if tuple(surface.key) in seen]
-    drawn = method_named(method)
-    correct = inputs.settings.seam_correction.get(method, drawn.seam_correction)
-    codes = str(drawn.model), str(drawn.embedding)
+    cropped_surfaces = set(zip(crops["room_id"], crops["surface"], strict=True))
+    keys = [surface.key for surface in inputs.surfaces if tuple(surface.key) in cropped_surfaces]
+    texture_method = method_named(method)
+    correct = inputs.settings.seam_correction.get(method, texture_method.seam_correction)
+    codes = str(texture_method.model), str(texture_method.embedding)
     images = iter(further_images(inputs, *codes, keys, count, seamless=correct))
     for key in keys:
         for number in range(1, count + 1):

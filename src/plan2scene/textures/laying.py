@@ -85,12 +85,12 @@ def read_patterns(path: str | Path) -> dict[SurfaceKey, LaidPattern]:
     A pattern without units has a known size, but no photo shows enough whole units.
     """
     table, _ = read_parquet(path)
-    found = {}
+    patterns = {}
     for row in table.itertuples():
         units = row.units if len(row.units) >= LAYING.least_units else []
         if row.kind not in LAID or not (len(units) or np.isfinite(row.length_m)):
             continue
-        found[SurfaceKey(row.room_id, row.surface)] = LaidPattern(
+        patterns[SurfaceKey(row.room_id, row.surface)] = LaidPattern(
             row.kind,
             float(row.width_m),
             float(row.length_m),
@@ -102,13 +102,13 @@ def read_patterns(path: str | Path) -> dict[SurfaceKey, LaidPattern]:
             row.like,
             float(row.slant_deg),
         )
-    return found
+    return patterns
 
 
 def pattern_of(patterns: Mapping[SurfaceKey, LaidPattern], *keys: SurfaceKey) -> LaidPattern | None:
     """Return the first pattern found for `keys`, or that of the room that it is `like`."""
-    found = next((patterns[key] for key in keys if key in patterns), None)
-    return found and patterns.get(SurfaceKey(found.like, keys[0].surface), found)
+    pattern = next((patterns[key] for key in keys if key in patterns), None)
+    return pattern and patterns.get(SurfaceKey(pattern.like, keys[0].surface), pattern)
 
 
 def laid(
@@ -134,9 +134,9 @@ def laid(
     flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
     shape = (int(size[0]), int(size[1]))
     image = cv2.warpAffine(rows, to_rows, shape, flags=flags, borderMode=cv2.BORDER_REPLICATE)
-    made = as_uint8(np.clip(2.0 * image * colour, 0.0, 1.0))
+    laid_image = as_uint8(np.clip(2.0 * image * colour, 0.0, 1.0))
     near, far = low / scale, (low + size) / scale
-    return made, Area((float(near[0]), float(near[1])), (float(far[0]), float(far[1])))
+    return laid_image, Area((float(near[0]), float(near[1])), (float(far[0]), float(far[1])))
 
 
 def with_joints(
@@ -332,8 +332,8 @@ def _places(pattern: LaidPattern, low: _Point, high: _Point, seed: int) -> list[
             end = low[0] - rng.uniform(0.0, pattern.longest_m)
         while end < high[0]:
             start, begin = end, 0.0
-            usual = length if np.isfinite(length) else pattern.longest_m / 2
-            unit = used.next(start + usual / 2, y, rng)
+            usual_length = length if np.isfinite(length) else pattern.longest_m / 2
+            unit = used.next(start + usual_length / 2, y, rng)
             end = start + length
             if not np.isfinite(length):
                 run = pattern.units[unit].shape[1] / PX_PER_M
@@ -355,7 +355,7 @@ def _planks(
 ) -> dict[tuple[int, int], tuple[int, int]]:
     """Return unit and turn of each plank of the columns between two corners, metres."""
     rng = np.random.default_rng(seed)
-    used, found = _Used(len(pattern.units)), {}
+    used, planks = _Used(len(pattern.units)), {}
     zigzag, step = _zigzag(pattern), pattern.width_m / 3
     x = np.arange(low[0], high[0] + step, step)
     ways = rng.permutation(4)
@@ -363,10 +363,10 @@ def _planks(
         used.forget(y - LAYING.sight_m)
         number = zigzag.planks(x, np.full_like(x, y))[0]
         for k, key in enumerate(map(tuple, number.tolist())):
-            if key not in found:
+            if key not in planks:
                 unit = used.next(float(x[k]), float(y), rng)
-                found[key] = unit, int(ways[used.turns[unit] % len(ways)])
-    return found
+                planks[key] = unit, int(ways[used.turns[unit] % len(ways)])
+    return planks
 
 
 def _columns(

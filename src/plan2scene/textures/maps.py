@@ -435,24 +435,29 @@ def read_bands(
     table, _ = read_parquet(path)
     crops = {(crop.key, crop.crop_id): crop for crop in inputs.crops}
     plain = {surface.key for surface in inputs.surfaces if surface.substance == PLAIN}
-    found = {}
+    bands = {}
     for row in table[table["kind"] == "bands"].itertuples():
         key = SurfaceKey(row.room_id, row.surface)
         if key not in tiles:
             continue
-        shown = srgb_to_linear(median_colour(tiles[key].image))
-        seen = {"above": np.array(row.upper, float), "below": np.array(row.lower, float)}
-        away = {name: np.abs(np.log((c + 0.01) / (shown + 0.01))).sum() for name, c in seen.items()}
+        tile_colour = srgb_to_linear(median_colour(tiles[key].image))
+        band_colours = {"above": np.array(row.upper, float), "below": np.array(row.lower, float)}
+        away = {
+            name: np.abs(np.log((c + 0.01) / (tile_colour + 0.01))).sum()
+            for name, c in band_colours.items()
+        }
         like = min(away, key=lambda name: away[name])
-        made = []
-        for name, colour in seen.items():
-            tone = linear_to_srgb(np.clip(shown * colour / np.maximum(seen[like], 1e-3), 0.0, 1.0))
+        band_tiles = []
+        for name, colour in band_colours.items():
+            tone = linear_to_srgb(
+                np.clip(tile_colour * colour / np.maximum(band_colours[like], 1e-3), 0.0, 1.0)
+            )
             names = str(getattr(row, name)).split("|")
             group = [crops[key, crop] for crop in names if (key, crop) in crops]
             tile = exemplar_of(inputs, group, tone, plain=key in plain) if group else None
-            made.append(tile or _flat(tone))
-        found[key] = Bands(float(row.split_m), made[0], made[1])
-    return found
+            band_tiles.append(tile or _flat(tone))
+        bands[key] = Bands(float(row.split_m), band_tiles[0], band_tiles[1])
+    return bands
 
 
 def _flat(tone: np.ndarray) -> Tile:
@@ -530,18 +535,18 @@ def patterns_of_floors(
     """
     floors = [key for key in house.surface_keys() if key.surface == "floor" and key in tiles]
     wet = {room.id: "Bathroom" in room.types for room in house.rooms}
-    found = {}
+    floor_patterns = {}
     for key in floors:
-        alike = (
+        alike_floors = (
             other
             for other in floors
             if tiles[other].pattern is tiles[key].pattern is not None
             and wet[other.room_id] == wet[key.room_id]
         )
-        pattern = pattern_of(patterns, key, *alike)
+        pattern = pattern_of(patterns, key, *alike_floors)
         if pattern is not None:
-            found[key] = pattern
-    return found
+            floor_patterns[key] = pattern
+    return floor_patterns
 
 
 def tile_of_pattern(tile: Tile, pattern: LaidPattern, size_m: float, seed: int) -> Tile:

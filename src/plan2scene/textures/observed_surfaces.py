@@ -55,8 +55,8 @@ def select_surfaces(
             file=embeddings_parquet,
             house=house,
         )
-    own = ["embedding", "naive_embedding", "substance_probabilities", "textureness"]
-    table = crops.join(embeddings[own])
+    embedding_columns = ["embedding", "naive_embedding", "substance_probabilities", "textureness"]
+    table = crops.join(embeddings[embedding_columns])
     table = table[~table["photo"].isin(set(hidden_photos))]
     groups = table.groupby(["room_id", "surface"], sort=True)
     of_surface = dict(iter(groups))

@@ -121,41 +121,41 @@ def paint_textures(
     of stone. `last_word` may change the finished folder before it is moved to `out_dir`.
     """
     root = Path(textures)
-    listed = texture_index(root)
-    entries = {SurfaceKey(*name.rsplit("/", 1)): entry for name, entry in listed.items()}
+    entry_by_name = texture_index(root)
+    entries = {SurfaceKey(*name.rsplit("/", 1)): entry for name, entry in entry_by_name.items()}
     tiles = {key: read_image(root / f"{key.filename}.png") for key in entries}
     paints, white_surfaces = read_paint(paint)
     for key in paints:
-        usual = SurfaceKey(key.room_id, key.kind)
-        if key != usual and usual in entries and ID_PATTERN.fullmatch(key.surface):
-            tiles[key], entries[key] = tiles[usual], entries[usual] | {"observed": True}
-            if usual not in paints:  # the room's crops show the accent wall only
-                entries[usual] = entries[usual] | {"observed": False}
+        room_key = SurfaceKey(key.room_id, key.kind)
+        if key != room_key and room_key in entries and ID_PATTERN.fullmatch(key.surface):
+            tiles[key], entries[key] = tiles[room_key], entries[room_key] | {"observed": True}
+            if room_key not in paints:  # the room's crops show the accent wall only
+                entries[room_key] = entries[room_key] | {"observed": False}
     unseen = {key for key, entry in entries.items() if entry.get("observed") is False}
-    alike = _other_bathrooms(bathrooms, entries, paints)
-    alike |= _without_carpet(uncarpeted, bathrooms, entries, paints)
-    unseen -= alike.keys()
+    stand_ins = _other_bathrooms(bathrooms, entries, paints)
+    stand_ins |= _without_carpet(uncarpeted, bathrooms, entries, paints)
+    unseen -= stand_ins.keys()
     whites = plain_whites(paints, white_surfaces, unseen, open_air)  # decided by what photos show
     panels = _one_panelling(entries, paints, white_surfaces, unseen - paints.keys() - whites)
     for key, other in panels.items():
         tiles[key], paints[key] = tiles[other], paints[other]
         entries[key] = entries[other] | {"observed": key not in unseen}
         entries[key]["source"] = f"panelling, like {other.room_id}"
-    for key, other in alike.items():
+    for key, other in stand_ins.items():
         tiles[key], paints[key] = tiles[other], paints[other]
         source = f"as the use of the room asks, like {other.room_id}"
         entries[key] = entries[other] | {"observed": False, "source": source}
-    white_surfaces |= {key for key, other in alike.items() if other in white_surfaces}
-    shown = {
+    white_surfaces |= {key for key, other in stand_ins.items() if other in white_surfaces}
+    tile_colours = {
         key: np.maximum(srgb_to_linear(median_colour(tile)), _BLACK) for key, tile in tiles.items()
     }
     white = np.exp(PaintPrior().white[0]) * np.ones(3)
-    gains = paint_gains(shown, paints, whites, white)
+    gains = paint_gains(tile_colours, paints, whites, white)
     photos, rooms = read_seen_photos(paint), {key.room_id for key in entries}
     for key in unseen - paints.keys():
         stone = key.kind == "floor" and entries[key].get("substance") != "wood"
         if stone and _room_of_source(entries[key], rooms) is None:
-            gains[key] = grey_floor(gains[key] * shown[key]) / shown[key]
+            gains[key] = grey_floor(gains[key] * tile_colours[key]) / tile_colours[key]
     doors = {
         name: as_uint8(linear_to_srgb(colour)).tolist()
         for name, colour in door_paints(paints, white_surfaces).items()
@@ -187,15 +187,15 @@ def paint_textures(
             bare = plains[key].image if key in plains else repainted(tile, gains[key])
             write_png(folder / f"{key.filename}.png", bare)
             whole = root / f"{key.filename}.jpg"
-            if whole.is_file() and key not in plains.keys() | alike.keys() | panels.keys():
+            if whole.is_file() and key not in plains.keys() | stand_ins.keys() | panels.keys():
                 lit = repainted(read_image(whole), gains[key])
                 (folder / whole.name).write_bytes(jpeg_bytes(lit, quality=_QUALITY))
         write_json(folder / "doors.json", doors)
         if trim:
             write_json(folder / "trim.json", trim)
         facts = {
-            "/".join(key): {"size_m": made.size_m, "substance": made.substance}
-            for key, made in plains.items()
+            "/".join(key): {"size_m": plain_tile.size_m, "substance": plain_tile.substance}
+            for key, plain_tile in plains.items()
         }
         index = read_stage_json(root / "textures.json", "textures")
         sized = {}
@@ -212,7 +212,7 @@ def paint_textures(
             sized[name] = entry | facts.get(name, {}) | {"evidence": evidence}
         write_json(folder / "textures.json", index | {"surfaces": sized})
         if has_maps:
-            gone = facts.keys() | {"/".join(key) for key in alike.keys() | panels.keys()}
+            gone = facts.keys() | {"/".join(key) for key in stand_ins.keys() | panels.keys()}
             kept = {name: e for name, e in maps["surfaces"].items() if name not in gone}
             write_json(folder / "maps.json", maps | {"surfaces": kept})
         if last_word is not None:
@@ -312,27 +312,27 @@ def _plain_tiles(
     Surfaces that are `unseen`, or whose crops show things, are made plain, too: unless their own
     pattern is faint, they get the plainest tile of their kind or, without one, a single colour.
     """
-    made, bare = {}, {}
+    plain_tiles, bare = {}, {}
     handed_on = set(unseen)
     for key in sorted(tiles.keys() & set(white)):
         if key.kind in ("wall", "ceiling"):
             image, size_m = tiles[key], float(entries[key]["size_m"])
             colour = gains[key] * srgb_to_linear(median_colour(image))
             image, pattern = plain(image, colour, len(image) / size_m)
-            made[key] = _Tile(image, size_m, entries[key].get("substance"), pattern)
-            plainer = key.kind == "wall" and made[key].substance not in PATTERNED
+            plain_tiles[key] = _Tile(image, size_m, entries[key].get("substance"), pattern)
+            plainer = key.kind == "wall" and plain_tiles[key].substance not in PATTERNED
             if pattern > LOUD or (plainer and pattern >= FAINT and is_upright(tiles[key], size_m)):
                 handed_on.add(key)
             bare[key] = np.full_like(image, as_uint8(linear_to_srgb(np.minimum(colour, 1.0))))
     plainest: dict[str, _Tile] = {}
-    for key, tile in sorted(made.items(), key=lambda item: item[1].pattern):
+    for key, tile in sorted(plain_tiles.items(), key=lambda item: item[1].pattern):
         if key not in handed_on and tile.substance not in PATTERNED:
             plainest.setdefault(key.surface, tile)
     return {
         key: tile
         if tile.pattern < FAINT
         else plainest.get(key.surface, replace(tile, image=bare[key], pattern=0.0))
-        for key, tile in made.items()
+        for key, tile in plain_tiles.items()
         if key in handed_on or (tile.pattern < FAINT and tile.substance not in PATTERNED)
     }
 
@@ -394,8 +394,8 @@ def plain(image: np.ndarray, colour: np.ndarray, px_per_m: float) -> tuple[np.nd
     faint = np.clip(detail[..., 1:], -_PLAIN.noise, _PLAIN.noise)
     detail[..., 1:] -= faint
     detail[..., 0] -= np.median(detail[..., 0])
-    usual = _PLAIN.relief * float(np.median(np.abs(detail[..., 0])))
-    detail[..., 0] = np.clip(detail[..., 0], -usual, usual)
+    relief_limit = _PLAIN.relief * float(np.median(np.abs(detail[..., 0])))
+    detail[..., 0] = np.clip(detail[..., 0], -relief_limit, relief_limit)
     linear = from_log_axes(log_axes(np.asarray(colour)) + detail)
     painted = as_uint8(linear_to_srgb(np.minimum(linear, _PLAIN.brightest)))
     return painted, pattern
@@ -455,10 +455,10 @@ def evidence_of(
     ids of the house's rooms. `white`: it is white because most known surfaces of its kind are.
     """
     like = _room_of_source(entry, rooms)
-    seen = entry.get("observed") is not False
-    room = None if seen or white else like
+    observed = entry.get("observed") is not False
+    room = None if observed or white else like
     count = f"{len(photos)} photo{'s' if len(photos) != 1 else ''}"
-    if seen:
+    if observed:
         words = f"seen in {count}" if photos else "seen in photos"
     elif photos:
         words = f"colour seen in {count}, the rest guessed"

@@ -195,18 +195,18 @@ class Canvas:
 
     def _merge(self, patch: np.ndarray, valid: np.ndarray, taken: np.ndarray) -> None:
         """Take pixels and gradients of a patch; joints get the mean of both sides' gradients."""
-        for axis, own in ((0, self.down), (1, self.right)):
+        for axis, gradients in ((0, self.down), (1, self.right)):
             beside = np.roll(taken, -1, axis)
             patch_step = np.roll(patch, -1, axis) - patch
             known = self.filled & np.roll(self.filled, -1, axis)
             possible = valid & np.roll(valid, -1, axis)
             inside = taken & beside
-            own[inside] = patch_step[inside]
+            gradients[inside] = patch_step[inside]
             joint = taken != beside
             both = joint & known & possible
-            own[both] = (own[both] + patch_step[both]) / 2
+            gradients[both] = (gradients[both] + patch_step[both]) / 2
             single = joint & ~known & possible
-            own[single] = patch_step[single]
+            gradients[single] = patch_step[single]
         self.image[taken] = patch[taken]
         self.filled |= taken
 

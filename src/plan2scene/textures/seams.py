@@ -57,8 +57,8 @@ def _tiles(image: np.ndarray, axis: int) -> bool:
     The steps beside it count because a regular pattern may be steep at the border.
     """
     across, interior = _steps(image, axis)
-    usual = max(interior.mean(), (interior[0] + interior[-1]) / 2, _S.flat_step)
-    return bool(across <= _S.tiling_ratio * usual)
+    usual_step = max(interior.mean(), (interior[0] + interior[-1]) / 2, _S.flat_step)
+    return bool(across <= _S.tiling_ratio * usual_step)
 
 
 def wrap_ratio(image: np.ndarray) -> float:

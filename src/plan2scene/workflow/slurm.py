@@ -25,13 +25,13 @@ def read_settings(text: str) -> dict[str, str]:
 def check_status(settings: dict[str, str], command: str) -> None:
     """Raise InputError if `command` (squeue or sacct) would miss the end of a job."""
     accounting = settings.get("AccountingStorageType", "").rpartition("/")[2] not in ("", "none")
-    kept = re.match(r"\d+", settings.get("MinJobAge", ""))
+    min_job_age = re.match(r"\d+", settings.get("MinJobAge", ""))
     if command == "sacct" and not accounting:
         raise InputError(
             "--slurm-status-command squeue", "sacct, and accounting is off", file="SLURM"
         )
-    if command == "squeue" and kept and int(kept.group()) < LONGEST_PAUSE:
-        found = f"MinJobAge={kept.group()}: squeue forgets jobs before their end is seen"
+    if command == "squeue" and min_job_age and int(min_job_age.group()) < LONGEST_PAUSE:
+        found = f"MinJobAge={min_job_age.group()}: squeue forgets jobs before their end is seen"
         other = "--slurm-status-command sacct" if accounting else "accounting or a longer memory"
         raise InputError(other, found, file="SLURM")
 

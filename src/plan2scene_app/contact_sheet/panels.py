@@ -332,8 +332,8 @@ def _segments(
     camera: Camera, points: np.ndarray
 ) -> Iterator[tuple[tuple[int, int], tuple[int, int]]]:
     """Yield a line's visible pieces in 1/8 pixels; its points (n, 3) are relative to the eye."""
-    seen = camera.seen(points)
-    for a, b in pairwise(seen):
+    in_camera = camera.seen(points)
+    for a, b in pairwise(in_camera):
         if max(a[2], b[2]) <= NEAR_M:
             continue
         if min(a[2], b[2]) < NEAR_M:

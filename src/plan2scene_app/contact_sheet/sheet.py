@@ -130,12 +130,17 @@ def write_contact_sheet(
     shapes = room_shapes(house)
     labels = room_labels(house)
     names = sorted(set(photos) | set(windows))
-    drawn = names[:MAX_PHOTOS]
-    sheet = Image.new("RGB", (WIDTH, HEADER + ROW * max(1, len(drawn))), PAPER)
-    every = [window for name in names for window in windows.get(name, ())]
-    counts = count_windows(every)
+    sheet_names = names[:MAX_PHOTOS]
+    sheet = Image.new("RGB", (WIDTH, HEADER + ROW * max(1, len(sheet_names))), PAPER)
+    all_windows = [window for name in names for window in windows.get(name, ())]
+    counts = count_windows(all_windows)
     _header(
-        ImageDraw.Draw(sheet), legible(house.title, house.id), len(names), len(drawn), counts, every
+        ImageDraw.Draw(sheet),
+        legible(house.title, house.id),
+        len(names),
+        len(sheet_names),
+        counts,
+        all_windows,
     )
 
     def row_of(name: str) -> Image.Image:
@@ -144,19 +149,21 @@ def write_contact_sheet(
         photo = _with_pixels(photo, photos.get(name), masks, house.id)
         if photo.labels is not None:
             size = (photo.labels.shape[0], photo.labels.shape[1])
-            own = (plane_of_row(row, size) for row in planes.get(name, ()))
+            photo_planes = (plane_of_row(row, size) for row in planes.get(name, ()))
             # A photo without a known pose has planes for each of its rooms: show the first room's.
-            own = (item for item in own if item.in_plan or set(rooms[:1]) <= set(item.rooms))
+            photo_planes = (
+                item for item in photo_planes if item.in_plan or set(rooms[:1]) <= set(item.rooms)
+            )
             lines = segments.get(name, np.zeros((0, 4)))
-            photo = replace(photo, planes=tuple(own), segments=lines)
+            photo = replace(photo, planes=tuple(photo_planes), segments=lines)
         row = Image.new("RGB", (WIDTH, ROW), PAPER)
         _draw_row(row, photo, labels, row_panels(photo, shapes))
         return row
 
-    for k, name in enumerate(drawn):
+    for k, name in enumerate(sheet_names):
         sheet.paste(row_of(name), (0, HEADER + k * ROW))
     write_png(output, np.asarray(sheet))
-    return {"photos": len(drawn), **counts}
+    return {"photos": len(sheet_names), **counts}
 
 
 @dataclass(frozen=True)

@@ -70,14 +70,14 @@ def read_placed(path: str | Path) -> list[PlacedPhoto]:
     used = used_photos(likely, {row["room_id"] for row in rows if row["photo"] not in likely})
     placed = []
     for number, row in enumerate(rows, start=1):
-        name, room, found = row["photo"], row["room_id"], likely.get(row["photo"])
+        name, room, guess = row["photo"], row["room_id"], likely.get(row["photo"])
         item = PlacedPhoto(name, room, None, number=number)
-        if found is not None:
+        if guess is not None:
             item = replace(
                 item,
-                probability=found.probability,
+                probability=guess.probability,
                 unused=name not in used,
-                of_kind=found.of_kind,
+                of_kind=guess.of_kind,
                 evidence=row["evidence"],
             )
         placed.append(item)
@@ -180,8 +180,8 @@ def doubt_lines(
             if row.of_kind > row.probability:
                 sure += f", {row.of_kind:.0%} that it is a room of this kind"
             if row.evidence:
-                told = [_EVIDENCE.get(word, word) for word in row.evidence.split()]
-                sure += f", by {' and '.join(told)}"
+                reasons = [_EVIDENCE.get(word, word) for word in row.evidence.split()]
+                sure += f", by {' and '.join(reasons)}"
             yield f"{sure}; not used" if row.unused else sure
     bare = [labels[room.id] for room in house.rooms if room.id not in used and not room.open_air]
     if used and bare:

@@ -40,11 +40,11 @@ def write_home_assistant(
     house: House, textures: Mapping[SurfaceKey, TileTexture], folder: Path
 ) -> None:
     """Write ``house.obj``, ``house.mtl``, ``house_textures/`` and ``card.yaml`` into a folder."""
-    shown = [part for part in assemble(house).parts if not _is_ceiling(part)]
-    parts = [*shown, *(_lamp(house, room.id) for room in house.rooms)]
+    visible_parts = [part for part in assemble(house).parts if not _is_ceiling(part)]
+    parts = [*visible_parts, *(_lamp(house, room.id) for room in house.rooms)]
     low = np.min([part.mesh.bounds[0] for part in parts], axis=0)
     storeys = {level.id: f"lvl{number:03d}" for number, level in enumerate(house.levels)}
-    used = {part.surface for part in shown}
+    used = {part.surface for part in visible_parts}
     tiles = {key: tile for key, tile in textures.items() if key in used}
     write_obj(house, tiles, folder / "house.obj", [_placed(part, low, storeys) for part in parts])
     text = yaml.safe_dump(card(house), sort_keys=False, allow_unicode=True)

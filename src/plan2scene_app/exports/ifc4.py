@@ -118,8 +118,8 @@ class _Model:
 
     def _root(self, kind: str, name: str, **facts: Any) -> Any:
         """Return a new rooted entity with an id derived from its kind and name."""
-        own = uuid.uuid5(_NAMESPACE, f"{self.house.id}/{kind}/{name}")
-        guid = self._ifc.guid.compress(own.hex)
+        entity_id = uuid.uuid5(_NAMESPACE, f"{self.house.id}/{kind}/{name}")
+        guid = self._ifc.guid.compress(entity_id.hex)
         return self.file.create_entity(kind, GlobalId=guid, Name=name, **facts)
 
     def _relate(self, kind: str, name: str, **facts: Any) -> None:

@@ -99,8 +99,8 @@ def _pieces(part: MeshPart, tile: TileTexture | None, folder: str) -> Iterator[t
     else:
         colours, which = np.unique(part.colours[faces[:, 0]], axis=0, return_inverse=True)
         looks = [(_plain(colour), which == k) for k, colour in enumerate(colours.tolist())]
-    for number, (material, mine) in enumerate(looks):
-        used, index = np.unique(faces[mine], return_inverse=True)
+    for number, (material, face_mask) in enumerate(looks):
+        used, index = np.unique(faces[face_mask], return_inverse=True)
         yield trimesh.Trimesh(
             part.mesh.vertices[used],
             index.reshape(-1, 3),

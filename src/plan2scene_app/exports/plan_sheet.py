@@ -62,8 +62,8 @@ def write_plan(house: House, textures: dict[SurfaceKey, TileTexture], folder: Pa
 
     del textures
     storeys = assemble(house).storeys
-    others = {room.name: room.id.replace("_", " ") for room in house.rooms}
-    shown = legible(house.title, house.id)
+    id_by_name = {room.name: room.id.replace("_", " ") for room in house.rooms}
+    title = legible(house.title, house.id)
     # No dates and fixed ids: the same house gives the same bytes.
     with mpl.rc_context(_STYLE):
         sheets = [_sheet(storey, house.title) for storey in storeys]
@@ -74,8 +74,8 @@ def write_plan(house: House, textures: dict[SurfaceKey, TileTexture], folder: Pa
                 sheet.savefig(temporary, format="svg", metadata={"Date": None})
         # An SVG is shown with its reader's fonts; a PDF lacks letters that its own font lacks.
         for text in (text for sheet in sheets for text in sheet.axes[0].texts):
-            name, _, rest = text.get_text().replace(house.title, shown).partition("\n")
-            text.set_text(f"{legible(name, others.get(name, name))}\n{rest}".strip())
+            name, _, rest = text.get_text().replace(house.title, title).partition("\n")
+            text.set_text(f"{legible(name, id_by_name.get(name, name))}\n{rest}".strip())
         with (
             atomic_path(folder / "plan.pdf") as temporary,
             PdfPages(temporary, metadata={"CreationDate": None}) as pages,

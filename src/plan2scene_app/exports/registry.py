@@ -198,8 +198,10 @@ def export_house(
     house, textures = textured(textures_dir, read_scene_json(scene_json, house_id))
     house = house if objects else replace(house, icons=())
     target = Path(folder)
-    own = [f.format(level=level.id) for level in house.levels[1:] for f in export.storey_files]
-    files = [target / file for file in (*export.files, *own)]
+    level_files = [
+        f.format(level=level.id) for level in house.levels[1:] for f in export.storey_files
+    ]
+    files = [target / file for file in (*export.files, *level_files)]
     record = target / RECORD
     _refuse_users_files(files, record)
     target.mkdir(parents=True, exist_ok=True)

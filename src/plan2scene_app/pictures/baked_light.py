@@ -134,12 +134,12 @@ def bake_light(
     grids = [chart.grid() for chart in charts]
     texels = _texels(charts, grids, colours, shape)
     direct = _lamps(house, charts, texels, rays)
-    seen, sky = _seen(charts, grids, texels, rays)
+    hit_texels, sky = _seen(charts, grids, texels, rays)
     reflected = np.vstack([texels.colours, np.full((1, 3), LIGHT.plain)])
     light = direct + sky
     for _ in range(LIGHT.bounces):
-        known = np.vstack([light, np.median(light, axis=0)]) * reflected
-        light = direct + sky + _gathered(known, seen)
+        outgoing = np.vstack([light, np.median(light, axis=0)]) * reflected
+        light = direct + sky + _gathered(outgoing, hit_texels)
     names = np.array([str(chart.part.extras.get("room_id", "")) for chart in charts])
     kinds = np.array([str(chart.part.extras.get("kind", "")) for chart in charts])
     owner, upright = names[texels.charts], kinds[texels.charts] == "wall"
@@ -150,8 +150,8 @@ def bake_light(
             light[floor] *= LIGHT.floor * light[wall].mean() / max(light[floor].mean(), 1e-6)
     light *= LIGHT.middle / max(float(np.median(light.mean(axis=1))), 1e-6)
     for room in np.unique(owner):  # limit bright rooms such as terraces: eyes adapt to them
-        mine = owner == room
-        light[mine] *= min(1.0, LIGHT.brightest / max(float(light[mine].mean()), 1e-6))
+        in_room = owner == room
+        light[in_room] *= min(1.0, LIGHT.brightest / max(float(light[in_room].mean()), 1e-6))
     image = np.zeros((*shape, 3), np.float32)
     start = 0
     for chart, (_, inside) in zip(charts, grids, strict=True):
@@ -181,11 +181,11 @@ def compressed(linear: np.ndarray) -> np.ndarray:
 
 def mean_colours(textures: Mapping[SurfaceKey, TileTexture]) -> dict[SurfaceKey, np.ndarray]:
     """Return the mean linear RGB (3,) of each surface's tile."""
-    made: dict[bytes, np.ndarray] = {}
+    colour_by_png: dict[bytes, np.ndarray] = {}
     for tile in textures.values():
-        if tile.png not in made:
-            made[tile.png] = srgb_to_linear(image_from_bytes(tile.png)).mean(axis=(0, 1))
-    return {key: made[tile.png] for key, tile in textures.items()}
+        if tile.png not in colour_by_png:
+            colour_by_png[tile.png] = srgb_to_linear(image_from_bytes(tile.png)).mean(axis=(0, 1))
+    return {key: colour_by_png[tile.png] for key, tile in textures.items()}
 
 
 def _open_to_each_other(house: House) -> list[list[str]]:
@@ -231,13 +231,13 @@ def _seen(
     Hits are (n, `LIGHT.rays`) int: number of a texel, n for a part without texels, n + 1 outside.
     """
     count = len(texels.points)
-    seen = np.full((count, LIGHT.rays), count + 1)
+    hit_texels = np.full((count, LIGHT.rays), count + 1)
     sky = np.zeros((count, 3))
     by_name = {chart.part.name: chart for chart in charts}
-    known = [by_name.get(part.name) for part in rays.parts]
+    chart_by_part = [by_name.get(part.name) for part in rays.parts]
     for number, (chart, (_, inside)) in enumerate(zip(charts, grids, strict=True)):
-        mine = np.flatnonzero(texels.charts == number)
-        if not len(mine):
+        chart_texels = np.flatnonzero(texels.charts == number)
+        if not len(chart_texels):
             continue
         row, column = np.nonzero(inside)
         place = row % LIGHT.block * LIGHT.block + column % LIGHT.block
@@ -245,28 +245,30 @@ def _seen(
         sets = np.stack([hemisphere(chart.normal, LIGHT.rays, shift) for shift in shifts])
         # Neighbours get different sets of directions: 7 and the number of sets are coprime.
         directions = sets[place * 7 % len(sets)].reshape(-1, 3)
-        origins = np.repeat(texels.points[mine], LIGHT.rays, axis=0)
+        origins = np.repeat(texels.points[chart_texels], LIGHT.rays, axis=0)
         hit = rays.hits(origins, directions)
         out = (hit < 0).reshape(-1, LIGHT.rays)
         up = directions[:, 1].reshape(-1, LIGHT.rays) > 0
         for part, colour in ((out & up, SKY), (out & ~up, GROUND)):
-            sky[mine] += part.mean(axis=1)[:, None] * colour
+            sky[chart_texels] += part.mean(axis=1)[:, None] * colour
         numbers = np.full(len(hit), count + 1)
         numbers[hit >= 0] = count
-        for other in np.unique(rays.part[hit[hit >= 0]]):
-            target = known[other]
+        for part_number in np.unique(rays.part[hit[hit >= 0]]):
+            target = chart_by_part[part_number]
             if target is not None:
-                ours = np.flatnonzero((hit >= 0) & (rays.part[hit] == other))
-                points, _ = rays.points(hit[ours], origins[ours], directions[ours])
-                numbers[ours] = _texel_at(target, points, texels.index, count)
-        seen[mine] = numbers.reshape(-1, LIGHT.rays)
-    return seen, sky
+                part_hits = np.flatnonzero((hit >= 0) & (rays.part[hit] == part_number))
+                points, _ = rays.points(hit[part_hits], origins[part_hits], directions[part_hits])
+                numbers[part_hits] = _texel_at(target, points, texels.index, count)
+        hit_texels[chart_texels] = numbers.reshape(-1, LIGHT.rays)
+    return hit_texels, sky
 
 
 def _texel_at(chart: Chart, points: np.ndarray, index: np.ndarray, plain: int) -> np.ndarray:
     """Return the numbers of a chart's texels at world points (n, 3); `plain` if there is none."""
-    known = np.column_stack([chart.part.mesh.vertices, np.ones(len(chart.part.mesh.vertices))])
-    to_uv, *_ = np.linalg.lstsq(known, np.asarray(chart.part.uv), rcond=None)
+    homogeneous_vertices = np.column_stack(
+        [chart.part.mesh.vertices, np.ones(len(chart.part.mesh.vertices))]
+    )
+    to_uv, *_ = np.linalg.lstsq(homogeneous_vertices, np.asarray(chart.part.uv), rcond=None)
     column, row = np.floor(chart.texels(np.column_stack([points, np.ones(len(points))]) @ to_uv)).T
     place = (
         np.clip(n, 0, m - 1).astype(int) for n, m in zip((row, column), index.shape, strict=True)
@@ -292,11 +294,13 @@ def _lamps(house: House, charts: Sequence[Chart], texels: _Texels, rays: Rays) -
         distance = np.linalg.norm(away, axis=1)
         facing = np.einsum("ij,ij->i", away, normals) / np.maximum(distance, 1e-6)
         strength = np.maximum(facing, 0.0) / (distance**2 + LIGHT.lamp_glow_m**2)
-        own = names[texels.charts] == room.id
-        if not strength[own].any():
+        in_room = names[texels.charts] == room.id
+        if not strength[in_room].any():
             continue
-        share = min(LIGHT.lamp_share / strength[own].mean(), LIGHT.lamp_most / strength[own].max())
-        lit = np.flatnonzero(strength > 0.02 * strength[own].max())
+        share = min(
+            LIGHT.lamp_share / strength[in_room].mean(), LIGHT.lamp_most / strength[in_room].max()
+        )
+        lit = np.flatnonzero(strength > 0.02 * strength[in_room].max())
         free = rays.distances(texels.points[lit], away[lit] / distance[lit, None])
         lit = lit[free > distance[lit]]
         light[lit] += (share * strength[lit])[:, None] * LAMP

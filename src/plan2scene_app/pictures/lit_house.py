@@ -76,12 +76,14 @@ def lit_textures(
 ) -> dict[SurfaceKey, TileTexture]:
     """Return an image of each surface: its texture times its light."""
     areas = surface_areas(house)
-    made: dict[SurfaceKey, TileTexture] = {}
+    lit_by_key: dict[SurfaceKey, TileTexture] = {}
     for key in house.surface_keys():
         if key in textures and key in areas:
-            own = [part for part in parts if part.surface == key and part.name in light.charts]
-            made[key] = _lit(textures[key], areas[key], own, light)
-    return made
+            lit_parts = [
+                part for part in parts if part.surface == key and part.name in light.charts
+            ]
+            lit_by_key[key] = _lit(textures[key], areas[key], lit_parts, light)
+    return lit_by_key
 
 
 def _lit(tile: TileTexture, area: Area, parts: Sequence[MeshPart], light: Light) -> TileTexture:
@@ -94,7 +96,7 @@ def _lit(tile: TileTexture, area: Area, parts: Sequence[MeshPart], light: Light)
     if texels > scale:
         size = (round(picture.shape[1] * scale / texels), round(picture.shape[0] * scale / texels))
         picture = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
-    made = np.empty((height, width, 3), np.uint8)
+    pixels = np.empty((height, width, 3), np.uint8)
     for top in range(0, height, _BAND):
         rows, columns = np.mgrid[top : min(top + _BAND, height), :width]
         uv = np.stack([columns, rows], axis=-1) + 0.5
@@ -103,11 +105,11 @@ def _lit(tile: TileTexture, area: Area, parts: Sequence[MeshPart], light: Light)
         colour = cv2.remap(
             picture, at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP
         )
-        made[top : top + _BAND] = developed(colour * shade[top : top + _BAND])
+        pixels[top : top + _BAND] = developed(colour * shade[top : top + _BAND])
     return replace(
         tile,
         origin_m=area.low,
-        jpeg=jpeg_bytes(made, quality=SETTINGS.quality),
+        jpeg=jpeg_bytes(pixels, quality=SETTINGS.quality),
         extent_m=(width / scale, height / scale),
         pattern="",
     )

@@ -85,11 +85,11 @@ class _LitTriangles:
         self.triangles, self.light = Triangles.of(opaque, textures), light
         lights, uv = [], []
         for part in opaque:
-            faces, own = part.mesh.faces, light.charts.get(part.name)
+            faces, chart = part.mesh.faces, light.charts.get(part.name)
             lights.append(
-                np.full((*faces.shape, 3), np.nan) if own else light.of_plain(part)[faces]
+                np.full((*faces.shape, 3), np.nan) if chart else light.of_plain(part)[faces]
             )
-            uv.append(light.uv(part)[faces] if own else np.zeros((len(faces), 3, 2)))
+            uv.append(light.uv(part)[faces] if chart else np.zeros((len(faces), 3, 2)))
         self.plain, self.light_uv = np.concatenate(lights), np.concatenate(uv)
 
     def draw(self, camera: Camera) -> np.ndarray:

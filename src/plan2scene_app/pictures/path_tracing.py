@@ -228,12 +228,14 @@ def smoothed(
         for dy in range(-2, 3):
             for dx in range(-2, 3):
                 if dx or dy:
-                    there = [_shifted(a, step * dy, step * dx) for a in (light, normal, place, lit)]
-                    weight = _KERNEL[abs(dy)] * _KERNEL[abs(dx)] * (there[3] == lit)
-                    turned = ((there[1] - normal) ** 2).sum(axis=2)
-                    off = np.abs(((there[2] - place) * normal).sum(axis=2)) / near
+                    shifted = [
+                        _shifted(a, step * dy, step * dx) for a in (light, normal, place, lit)
+                    ]
+                    weight = _KERNEL[abs(dy)] * _KERNEL[abs(dx)] * (shifted[3] == lit)
+                    turned = ((shifted[1] - normal) ** 2).sum(axis=2)
+                    off = np.abs(((shifted[2] - place) * normal).sum(axis=2)) / near
                     weight = weight * np.exp(-turned / SETTINGS.same_normal - off)
-                    total, weights = total + weight[..., None] * there[0], weights + weight
+                    total, weights = total + weight[..., None] * shifted[0], weights + weight
         light = np.asarray(total / weights[..., None], dtype=np.float32)
     return np.asarray(light * shade, dtype=np.float32)
 

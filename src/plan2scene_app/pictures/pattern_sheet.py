@@ -69,9 +69,9 @@ def _floor(pattern: LaidPattern | None, photo: np.ndarray) -> np.ndarray | None:
         return None
     high, wide = (side / UNITS.shown_px_per_m for side in photo.shape[:2])
     # Use the least magenta pixels: lines drawn over the photo, and their JPEG blur, are magenta.
-    seen = photo[photo.any(axis=2)].astype(int)
-    magenta = np.minimum(seen[:, 0], seen[:, 2]) - seen[:, 1]
-    colour = np.median(seen[magenta <= np.percentile(magenta, 40)], axis=0) / 255.0
+    floor_pixels = photo[photo.any(axis=2)].astype(int)
+    magenta = np.minimum(floor_pixels[:, 0], floor_pixels[:, 2]) - floor_pixels[:, 1]
+    colour = np.median(floor_pixels[magenta <= np.percentile(magenta, 40)], axis=0) / 255.0
     upright = replace(pattern, direction_deg=0.0)
     image, _ = laid(upright, Area((0.0, 0.0), (wide, high)), colour, 0)
     return cv2.resize(image, photo.shape[1::-1], interpolation=cv2.INTER_AREA)

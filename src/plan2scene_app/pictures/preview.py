@@ -284,17 +284,17 @@ def annotate(
     """
     picture = Image.fromarray(image)
     draw = ImageDraw.Draw(picture)
-    taken: list[tuple[float, ...]] = []
+    plates: list[tuple[float, ...]] = []
     for room in sorted(house.rooms, key=lambda room: -room_polygon(room).area):
-        whole = room_polygon(room)
-        centre = project(_label_point(whole))
+        polygon = room_polygon(room)
+        centre = project(_label_point(polygon))
         types = legible(room.title, " / ".join(room.types))
-        second = captions.get(room.id, "") if captions else f"{whole.area:.1f} m²"
+        second = captions.get(room.id, "") if captions else f"{polygon.area:.1f} m²"
         full = f"{types}\n{second}".strip()
         # A small room gets a small label, or none if it would overlap a larger room's label.
         short, kinds = (full if captions else types, 11), " / ".join(room.types)
         for text, size in ((full, 15), short, (types, 11), (kinds, 11)):
-            if _label(draw, text, centre, size, taken, whole, scale):
+            if _label(draw, text, centre, size, plates, polygon, scale):
                 break
     x0, y0 = 24, picture.height - 26
     draw.rectangle([x0, y0, x0 + scale, y0 + 5], fill=SECTION_COLOUR)

@@ -147,10 +147,11 @@ class Triangles:
 
         Triangles that face away are left out, except glass, which is visible from both sides.
         """
-        seen = camera.seen(self.corners)
-        ahead = np.ones(seen.shape[:2]) if camera.orthographic else seen[..., 2]
+        in_camera = camera.seen(self.corners)
+        ahead = np.ones(in_camera.shape[:2]) if camera.orthographic else in_camera[..., 2]
         x, y = (
-            camera.focal_px * seen[..., k] + c * ahead for k, c in ((0, camera.cx), (1, camera.cy))
+            camera.focal_px * in_camera[..., k] + c * ahead
+            for k, c in ((0, camera.cx), (1, camera.cy))
         )
         plane = np.stack([x, y, ahead], axis=2)  # homogeneous pixels: (x w, y w, w)
         a, b, c = plane[:, 0], plane[:, 1], plane[:, 2]
@@ -165,7 +166,7 @@ class Triangles:
         # The nearest triangle has the largest 1 / w, or the least depth.
         closeness = edges.sum(axis=2)
         if camera.orthographic:
-            closeness = -np.einsum("tck,tk->tc", edges, seen[..., 2])
+            closeness = -np.einsum("tck,tk->tc", edges, in_camera[..., 2])
         ids, depth = _nearest(edges, closeness, np.flatnonzero(drawn), low, high, camera)
         pixels = np.flatnonzero(ids >= 0)
         t = ids.ravel()[pixels]
@@ -197,8 +198,8 @@ class Triangles:
         order = np.argsort(texture, kind="stable")
         ends = np.cumsum(np.bincount(texture + 1, minlength=len(self.mipmaps) + 1))
         for levels, start, end in zip(self.mipmaps, ends[:-1], ends[1:], strict=True):
-            mine = order[start:end]
-            colour[mine] = sample(levels, uv[mine], footprint[mine])
+            group = order[start:end]
+            colour[group] = sample(levels, uv[group], footprint[group])
         return colour
 
     def _texels_per_metre(self) -> np.ndarray:

@@ -89,9 +89,9 @@ def camera_in(house: House, room_id: str, rays: Rays | None) -> Camera:
 
     def worth(camera: Camera) -> float:
         (floor, walls), near = _seen_area(camera, room_id, rays)
-        shown = floor / polygon.area + walls / (polygon.length * room.height)
-        shown += SETTINGS.windows * _seen_share(camera, *panes, rays)
-        return shown if near < SETTINGS.most_near else 1e-3 * shown * (1.0 - near)
+        score = floor / polygon.area + walls / (polygon.length * room.height)
+        score += SETTINGS.windows * _seen_share(camera, *panes, rays)
+        return score if near < SETTINGS.most_near else 1e-3 * score * (1.0 - near)
 
     return max(cameras, key=worth)
 
@@ -111,9 +111,9 @@ def _seen_area(camera: Camera, room_id: str, rays: Rays) -> tuple[tuple[float, f
     triangles = rays.hits(eyes, ways)
     hit = np.flatnonzero(triangles >= 0)
     _, metres = rays.points(triangles[hit], eyes[hit], ways[hit])
-    seen = [rays.parts[number].surface for number in rays.part[triangles[hit]]]
-    thing = np.array([surface is None for surface in seen])
-    kinds = np.array([s.kind if s is not None and s.room_id == room_id else "" for s in seen])
+    surfaces = [rays.parts[number].surface for number in rays.part[triangles[hit]]]
+    thing = np.array([surface is None for surface in surfaces])
+    kinds = np.array([s.kind if s is not None and s.room_id == room_id else "" for s in surfaces])
     corners = rays.triangles[triangles[hit]]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
@@ -149,10 +149,10 @@ def _seen_share(camera: Camera, points: np.ndarray, normals: np.ndarray, rays: R
     if not len(points):
         return 0.0
     ways = points - camera.position
-    far = np.linalg.norm(ways, axis=1)
+    distances = np.linalg.norm(ways, axis=1)
     eyes = np.tile(camera.position, (len(points), 1))
-    free = rays.distances(eyes, ways / far[:, None]) > far - SETTINGS.clear_m
-    faces = np.abs((ways * normals).sum(axis=1)) >= SETTINGS.least_pane * far
+    free = rays.distances(eyes, ways / distances[:, None]) > distances - SETTINGS.clear_m
+    faces = np.abs((ways * normals).sum(axis=1)) >= SETTINGS.least_pane * distances
     pixels = camera.project(points)  # NaN behind the camera
     within = (pixels > 0).all(axis=1) & (pixels < [camera.width, camera.height]).all(axis=1)
     return float((within & free & faces).mean())

@@ -52,15 +52,15 @@ def sheet_rows(textures: Mapping[str, str | Path], crops: str | Path) -> dict[Su
     rows = {}
     for name, entry in sorted(listed.items(), key=lambda item: _order(item[0])):
         key = SurfaceKey(*name.rsplit("/", 1))
-        visible, every = references.get(key, (None, None))
+        visible, of_all_crops = references.get(key, (None, None))
         tiles = {
             method: read_image(Path(folder) / f"{key.filename}.png")
             for method, folder in textures.items()
         }
-        seen = "observed" if entry.get("observed") else "not observed"
+        observed = "observed" if entry.get("observed") else "not observed"
         shared = [f"material {entry['material']}"] if "material" in entry else []
-        title = (key.room_id, key.surface, str(entry["substance"]), seen, *shared)
-        rows[key] = SheetRow(title, every if visible is None else visible, tiles)
+        title = (key.room_id, key.surface, str(entry["substance"]), observed, *shared)
+        rows[key] = SheetRow(title, of_all_crops if visible is None else visible, tiles)
     return rows
 
 

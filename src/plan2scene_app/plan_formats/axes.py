@@ -99,13 +99,13 @@ def distinct(axes: Iterable[WallAxis]) -> list[WallAxis]:
 
     The first one is kept, with the largest thickness and the largest height of them.
     """
-    once: dict[tuple[tuple[int, int], ...], WallAxis] = {}
+    axis_by_ends: dict[tuple[tuple[int, int], ...], WallAxis] = {}
     for axis in axes:
         key = same_ends(axis.start, axis.end)
-        first = once.get(key, axis)
+        first = axis_by_ends.get(key, axis)
         thickness, height = max(first.thickness, axis.thickness), max(first.height, axis.height)
-        once[key] = replace(first, thickness=thickness, height=height)
-    return list(once.values())
+        axis_by_ends[key] = replace(first, thickness=thickness, height=height)
+    return list(axis_by_ends.values())
 
 
 def same_ends(start: Sequence[float], end: Sequence[float]) -> tuple[tuple[int, int], ...]:
@@ -199,7 +199,7 @@ def _facing(ends: np.ndarray, thickness: np.ndarray) -> list[tuple[int, int]]:
     outward /= np.linalg.norm(outward, axis=1, keepdims=True)
     pairs = cKDTree(ends).query_pairs(SETTINGS.gap[1], output_type="ndarray")
     pairs = pairs[np.lexsort(pairs.T[::-1])]
-    found: dict[int, tuple[float, int]] = {}
+    nearest_ends: dict[int, tuple[float, int]] = {}
     for one, other in (pairs.T, pairs.T[::-1]):
         steps, ways = ends[other] - ends[one], outward[one]
         along = (steps * ways).sum(1)
@@ -208,9 +208,9 @@ def _facing(ends: np.ndarray, thickness: np.ndarray) -> list[tuple[int, int]]:
         near = across <= SETTINGS.off_line + thickness[one // 2] / 2
         fits = straight & near & (along >= SETTINGS.gap[0]) & (along <= SETTINGS.gap[1])
         for k in np.flatnonzero(fits & (one // 2 != other // 2)):
-            best = found.get(int(one[k]), (math.inf, -1))
-            found[int(one[k])] = min(best, (float(along[k]), int(other[k])))
-    return [(end, other) for end, (_, other) in sorted(found.items())]
+            best = nearest_ends.get(int(one[k]), (math.inf, -1))
+            nearest_ends[int(one[k])] = min(best, (float(along[k]), int(other[k])))
+    return [(end, other) for end, (_, other) in sorted(nearest_ends.items())]
 
 
 def _is_free(end: np.ndarray, own: int, lines: Sequence[LineString], tree: STRtree) -> bool:
@@ -263,24 +263,24 @@ def _touched(
 
     It is the crossing of both lines, if the bodies of both walls, `thickness` (n,) m, touch there.
     """
-    own = end // 2
-    here, other_end = points[end], points[end ^ 1]
-    direction = here - other_end
+    own_axis = end // 2
+    loose_end, other_end = points[end], points[end ^ 1]
+    direction = loose_end - other_end
     direction = direction / max(float(np.linalg.norm(direction)), 1e-9)
-    half = thickness[own] / 2
+    half = thickness[own_axis] / 2
     reach = max(half + thickness.max() / 2, SETTINGS.least_reach) + SETTINGS.join
-    others = tree.query(lines[own].buffer(reach))
-    others = others[others != own]
-    across = points[2 * others + 1] - points[2 * others]
+    near_axes = tree.query(lines[own_axis].buffer(reach))
+    near_axes = near_axes[near_axes != own_axis]
+    across = points[2 * near_axes + 1] - points[2 * near_axes]
     turns = direction[0] * across[:, 1] - direction[1] * across[:, 0]
     turned = np.abs(turns) > 0.17 * np.linalg.norm(across, axis=1)
-    others, across, turns = others[turned], across[turned], turns[turned]
-    offsets = points[2 * others] - here
+    near_axes, across, turns = near_axes[turned], across[turned], turns[turned]
+    offsets = points[2 * near_axes] - loose_end
     steps = (offsets[:, 0] * across[:, 1] - offsets[:, 1] * across[:, 0]) / turns
-    limits = np.maximum(half + thickness[others] / 2, SETTINGS.least_reach) + SETTINGS.join
+    limits = np.maximum(half + thickness[near_axes] / 2, SETTINGS.least_reach) + SETTINGS.join
     for n in np.argsort(np.abs(steps), kind="stable"):
-        place = here + steps[n] * direction
-        if abs(steps[n]) <= limits[n] and lines[others[n]].distance(Point(place)) <= limits[n]:
+        place = loose_end + steps[n] * direction
+        if abs(steps[n]) <= limits[n] and lines[near_axes[n]].distance(Point(place)) <= limits[n]:
             return np.asarray(place)
     return None
 

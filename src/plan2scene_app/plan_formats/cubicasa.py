@@ -127,10 +127,10 @@ def _read(source: Source, root: Element) -> list[_Storey]:
     queue = [(root, np.eye(3), outside, 0)]
     count = 0
     while queue:
-        element, above, storey, depth = queue.pop()
+        element, parent_matrix, storey, depth = queue.pop()
         if depth > MAX_DEPTH:
             raise source.fault(f"SVG groups at most {MAX_DEPTH} deep", "deeper")
-        matrix = above @ _matrix(source, element.get("transform", ""))
+        matrix = parent_matrix @ _matrix(source, element.get("transform", ""))
         words = f"{element.get('class') or element.get('id') or ''}".split()
         if "Floor" in words:
             storey = _Storey(element.get("id") or f"floor {len(storeys)}")
@@ -230,8 +230,10 @@ def _by_sides(area: Polygon, text: str) -> list[float]:
     fitting = []
     for line in text.splitlines():
         for sides in read_sides(line):
-            drawn = sorted((x1 - x0, y1 - y0))
-            low, high = (side / pixels for side, pixels in zip(sorted(sides), drawn, strict=True))
+            drawn_sides = sorted((x1 - x0, y1 - y0))
+            low, high = (
+                side / pixels for side, pixels in zip(sorted(sides), drawn_sides, strict=True)
+            )
             if max(low, high) <= (1 + SETTINGS.agreement) * min(low, high):
                 fitting.append(float(np.sqrt(low * high)))
     return fitting

@@ -188,13 +188,13 @@ def bordering_share(axes: Sequence[WallAxis], rooms: Sequence[Polygon]) -> float
 
 def _rooms(source: Source, drawing: Drawing, taken: set[str]) -> list[Room]:
     """Return the drawn rooms, and those that walls close where no room is drawn."""
-    drawn = list(drawing.rooms)
-    if len(drawn) > MAX_ROOMS:
-        raise source.fault(f"at most {MAX_ROOMS} rooms", len(drawn))
-    corners = sum(len(ring) for room in drawn for ring in room.rings)
+    drawn_rooms = list(drawing.rooms)
+    if len(drawn_rooms) > MAX_ROOMS:
+        raise source.fault(f"at most {MAX_ROOMS} rooms", len(drawn_rooms))
+    corners = sum(len(ring) for room in drawn_rooms for ring in room.rings)
     if corners > MAX_CORNERS:
         raise source.fault(f"at most {MAX_CORNERS} corners of all rooms", corners)
-    polygons = [Polygon(room.rings[0], room.rings[1:]) for room in drawn]
+    polygons = [Polygon(room.rings[0], room.rings[1:]) for room in drawn_rooms]
     polygons = [area if area.is_valid else area.convex_hull for area in polygons]
     tree = STRtree(polygons)
     faces = closed_rooms(source, drawing) if drawing.axes else []
@@ -202,22 +202,22 @@ def _rooms(source: Source, drawing: Drawing, taken: set[str]) -> list[Room]:
         covered = sum(face.intersection(polygons[k]).area for k in tree.query(face))
         if covered <= SETTINGS.drawn_share * face.area:
             rings = (face.exterior, *face.interiors)
-            drawn.append(DrawnRoom("", tuple(_ring(ring) for ring in rings)))
-    if not drawn:
+            drawn_rooms.append(DrawnRoom("", tuple(_ring(ring) for ring in rings)))
+    if not drawn_rooms:
         what = f"{len(drawing.axes)} walls that close none" if drawing.axes else "none"
         raise source.fault("rooms, or walls that close some", what)
-    if len(drawn) > MAX_ROOMS:
-        raise source.fault(f"at most {MAX_ROOMS} rooms", len(drawn))
+    if len(drawn_rooms) > MAX_ROOMS:
+        raise source.fault(f"at most {MAX_ROOMS} rooms", len(drawn_rooms))
     rooms = []
-    for room in drawn:
+    for room in drawn_rooms:
         name = free_id(room.name, taken)
         types = room.types or room_types(room.name)
         if not types:
             source.warn("a name that tells what room it is", f"{room.name!r}; Unknown", name)
         rings = tuple(source.outline(ring, name) for ring in room.rings)
         height = room.height or drawing.height
-        shown = source.shown_name(room.name) if room.called else ""
-        rooms.append(Room(name, types or ("Unknown",), rings, height, name=shown))
+        shown_name = source.shown_name(room.name) if room.called else ""
+        rooms.append(Room(name, types or ("Unknown",), rings, height, name=shown_name))
     return rooms
 
 
@@ -404,8 +404,8 @@ def house_of_storeys(source: Source, storeys: Iterable[DrawnStorey]) -> House:
             source.warnings.append(f"{error} on level {storey.name}; left out")
             continue
         height = storey.drawing.height
-        shown = storey.name.encode("utf-8", "replace").decode()  # replaces half a surrogate pair
-        level = Level(free_id(storey.name, names, "floor"), shown, storey.elevation - base, height)
+        label = storey.name.encode("utf-8", "replace").decode()  # replaces half a surrogate pair
+        level = Level(free_id(storey.name, names, "floor"), label, storey.elevation - base, height)
         houses.append((level, house))
         stairs += [replace(flight, level=level.id) for flight in storey.drawing.stairs]
     if not houses:
@@ -437,8 +437,8 @@ def _joined(
     renamed = [_on_level(level, house) for level, house in storeys]
     rooms = [room for house in renamed for room in house.rooms]
     pieces = [icon for house in renamed for icon in house.icons]
-    known = [flight for flight in stairs if flight.level != levels[-1].id]
-    flights = (*linked(known, rooms, levels), *flights_of(pieces, rooms, levels))
+    file_flights = [flight for flight in stairs if flight.level != levels[-1].id]
+    flights = (*linked(file_flights, rooms, levels), *flights_of(pieces, rooms, levels))
     flights = tuple(replace(flight, id=f"stairs_{k}") for k, flight in enumerate(flights))
     return House(
         id=source.house_id,

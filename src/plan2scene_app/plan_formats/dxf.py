@@ -242,8 +242,8 @@ def house_of_dxf(
         return house
     again = Source(str(path), house_id)
     again.warn("a unit of the header that suits the areas written", f"{printed:g} m by them")
-    found = _Drawing(again, document, printed, entities, leaves).read()
-    return replace(house_of_drawing(again, found), heights=USUAL)
+    rescaled = _Drawing(again, document, printed, entities, leaves).read()
+    return replace(house_of_drawing(again, rescaled), heights=USUAL)
 
 
 def load_dxf(source: Source, path: Path) -> Any:
@@ -271,8 +271,8 @@ def _unit(source: Source, document: Any, leaves: list[Leaf]) -> float:
         metres = float(units.conversion_factor(units.InsertUnits(code), units.InsertUnits.Meters))
     except (ValueError, KeyError, TypeError):
         metres = 0.0
-    known = metres if code != 0 and 0 < metres <= 1000 else None
-    unit = unit_of(source, known, leaves)
+    header_unit = metres if code != 0 and 0 < metres <= 1000 else None
+    unit = unit_of(source, header_unit, leaves)
     if unit is None:
         expected = "a unit in the header ($INSUNITS), or metres_per_pixel for the drawing's unit"
         raise source.fault(expected, f"$INSUNITS {code}")
@@ -311,7 +311,7 @@ class _Drawing:
     def read(self) -> Drawing:
         """Return the drawing: rooms with their names, walls and openings."""
         lines: dict[str, list[LineString]] = {key: [] for key in LAYERS}
-        others: dict[str, list[LineString]] = {}
+        lines_by_layer: dict[str, list[LineString]] = {}
         hatches: dict[str, list[LineString]] = {key: [] for key in LAYERS}
         marks: list[_Mark] = []
         pieces = 0
@@ -330,7 +330,7 @@ class _Drawing:
                     continue
                 if not kind:
                     straight = line.is_closed or entity.dxftype() not in ("ARC", "CIRCLE")
-                    others.setdefault(str(entity.dxf.layer), []).extend([line] * straight)
+                    lines_by_layer.setdefault(str(entity.dxf.layer), []).extend([line] * straight)
                     continue
                 lines[kind].append(line)
                 pieces += (len(line.coords) - 1) * (kind == "walls")
@@ -338,13 +338,18 @@ class _Drawing:
                     raise self.source.fault(f"at most {2 * MAX_AXES} lines of walls", "more")
         for kind in ("walls", "rooms"):
             lines[kind] = lines[kind] or hatches[kind]
-        known = [*lines["rooms"], *lines["walls"]]
-        shift = _shift(known or [line for own in others.values() for line in own])
+        room_lines = [*lines["rooms"], *lines["walls"]]
+        shift = _shift(
+            room_lines or [line for layer_lines in lines_by_layer.values() for line in layer_lines]
+        )
         self.written = [(text, _move(point, shift)) for text, point in self.written]
         marks = [(kind, _move(area, shift), at and _move(at, shift)) for kind, area, at in marks]
         moved, left = (
-            {key: [_move(line, shift) for line in own] for key, own in group.items()}
-            for group in (lines, others)
+            {
+                key: [_move(line, shift) for line in layer_lines]
+                for key, layer_lines in group.items()
+            }
+            for group in (lines, lines_by_layer)
         )
         doors: list[Segment] = []
         for leaf in self.leaves:
@@ -366,9 +371,9 @@ class _Drawing:
         ]
         if len(shares) < DXF.least_leaves:
             return None
-        told = float(np.median(shares)) * self.metres
-        nearest = min(UNITS.values(), key=lambda unit: abs(np.log(unit / told)))
-        off = abs(nearest / told - 1)
+        printed_metres = float(np.median(shares)) * self.metres
+        nearest = min(UNITS.values(), key=lambda unit: abs(np.log(unit / printed_metres)))
+        off = abs(nearest / printed_metres - 1)
         return nearest if off <= DXF.printed and nearest != self.metres else None
 
     def _unlayered(
@@ -494,8 +499,8 @@ def _shift(lines: Sequence[LineString]) -> tuple[float, float]:
     """Return the shift to the origin of a drawing that lies more than 500 m from it, else 0, 0."""
     bounds = np.array([line.bounds for line in lines] or [(0.0, 0.0, 0.0, 0.0)])
     low, high = bounds[:, :2].min(axis=0), bounds[:, 2:].max(axis=0)
-    far = max(np.abs(low).max(), np.abs(high).max()) > 500.0
-    return (-float(low[0]), -float(low[1])) if far else (0.0, 0.0)
+    is_far = max(np.abs(low).max(), np.abs(high).max()) > 500.0
+    return (-float(low[0]), -float(low[1])) if is_far else (0.0, 0.0)
 
 
 def _move(shape: Any, shift: tuple[float, float]) -> Any:

@@ -56,9 +56,9 @@ def each_entity(
     if len(queue) > MAX_ENTITIES:
         raise source.fault(f"at most {MAX_ENTITIES} entities", "more")
     while queue:
-        entity, above, depth = queue.pop()
+        entity, block_kind, depth = queue.pop()
         count += 1
-        kind = kind_of(entity) or above
+        kind = kind_of(entity) or block_kind
         if entity.dxftype() != "INSERT" or kind in ("doors", "windows"):
             yield entity, kind
             continue
@@ -87,10 +87,10 @@ def alphabet(path: Path) -> str | None:
     """
     with path.open("rb") as file:
         content = file.read()
-    named = re.search(rb"\$DWGCODEPAGE\s+3\s+(\S+)", content[:100_000])
+    page = re.search(rb"\$DWGCODEPAGE\s+3\s+(\S+)", content[:100_000])
     version = re.search(rb"\$ACADVER\s+1\s+(\S+)", content[:100_000])
-    told = named is not None and named[1].lower() not in (b"ansi_1252", b"undefined", b"ascii")
-    if content.isascii() or told or (version is not None and version[1] in _NEW):
+    named = page is not None and page[1].lower() not in (b"ansi_1252", b"undefined", b"ascii")
+    if content.isascii() or named or (version is not None and version[1] in _NEW):
         return None
     if content.startswith(b"AutoCAD Binary DXF"):
         return None
@@ -163,14 +163,14 @@ def unit_of(source: Source, header: float | None, leaves: list[Leaf]) -> float |
     middle = float(np.median(lengths)) if len(lengths) >= DXF.least_leaves else None
     if middle is None or (header is not None and low <= middle * header <= high):
         return header
-    usual = [
+    fitting_units = [
         (abs(np.log(middle * metres / 0.85)), name)
         for name, metres in UNITS.items()
         if DXF.usual_door[0] <= middle * metres <= DXF.usual_door[1]
     ]
-    if not usual:
+    if not fitting_units:
         return header
-    name = min(usual)[1]
-    said = "none" if header is None else f"{middle * header:.3g} m by it"
-    source.warn("a unit of the header that suits the doors", f"{said}; {name} by their widths")
+    name = min(fitting_units)[1]
+    by_header = "none" if header is None else f"{middle * header:.3g} m by it"
+    source.warn("a unit of the header that suits the doors", f"{by_header}; {name} by their widths")
     return UNITS[name]

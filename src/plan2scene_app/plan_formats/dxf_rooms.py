@@ -37,7 +37,7 @@ def rooms_of_layers(
     An outline that contains or overlaps smaller rooms is the floor that these leave, such as a
     corridor. The list is empty for fewer than `DXF.least_rooms` rooms.
     """
-    found: list[tuple[str, Polygon]] = []
+    floors: list[tuple[str, Polygon]] = []
     holes: list[Polygon] = []
     for layer, lines in outlines.items():
         areas = [Polygon(line).buffer(0) for line in lines if line.is_closed]
@@ -47,10 +47,10 @@ def rooms_of_layers(
             continue
         large = [area for area in areas if area.area >= DXF.room[0]]
         if large and len(large) >= DXF.outlines * len(areas):
-            found += [(layer, area) for area in large]
-    found.sort(key=lambda pair: pair[1].area)
+            floors += [(layer, area) for area in large]
+    floors.sort(key=lambda pair: pair[1].area)
     rooms: list[tuple[str, Polygon]] = []
-    for layer, area in found:
+    for layer, area in floors:
         inside = [room for _, room in rooms if area.contains(room.representative_point())]
         taken = [room for _, room in rooms if area.intersects(room)]
         if area.intersection(unary_union(taken)).area > (1 - DXF.outlines) * area.area or inside:
@@ -58,7 +58,7 @@ def rooms_of_layers(
             free = area.difference(unary_union([*taken, *holes]).buffer(0.15, join_style="mitre"))
             free = free.buffer(-DXF.corridor / 2).buffer(DXF.corridor / 2, join_style="mitre")
             parts = [p for p in getattr(free, "geoms", [free]) if p.area >= DXF.left_over]
-            rooms += [(layer, part.simplify(0.05)) for part in parts if len(taken) < len(found)]
+            rooms += [(layer, part.simplify(0.05)) for part in parts if len(taken) < len(floors)]
         elif area.area <= DXF.room[1]:
             rooms.append((layer, area))
     return rooms if len(rooms) >= DXF.least_rooms else []

@@ -113,10 +113,10 @@ def _parsed(source: Source, path: Path) -> Any:
         return ifcopenshell.open(str(path))
     except ifcopenshell.SchemaError:
         text = path.read_text(encoding="latin-1")
-        named = _SCHEMA.search(text[:MAX_HEAD])
-        if named is None or not named[2].upper().startswith("IFC2"):
+        schema_match = _SCHEMA.search(text[:MAX_HEAD])
+        if schema_match is None or not schema_match[2].upper().startswith("IFC2"):
             raise
-        source.warn("schema IFC2X3 or IFC4", f"{named[2][:40]}, read as IFC2X3")
+        source.warn("schema IFC2X3 or IFC4", f"{schema_match[2][:40]}, read as IFC2X3")
         return ifcopenshell.file.from_string(_SCHEMA.sub(r"\1IFC2X3\3", text, count=1))
 
 
@@ -180,15 +180,15 @@ class _Model:
 
     def _storey(self, product: Any) -> Any:
         """Return the storey that holds a product directly or through up to 20 parents, or None."""
-        above = product
+        parent = product
         for _ in range(20):
-            above = (
-                self.element.get_aggregate(above)
-                or self.element.get_container(above)
-                or self.contained.get(above.id())
+            parent = (
+                self.element.get_aggregate(parent)
+                or self.element.get_container(parent)
+                or self.contained.get(parent.id())
             )
-            if above is None or above.is_a("IfcBuildingStorey"):
-                return above
+            if parent is None or parent.is_a("IfcBuildingStorey"):
+                return parent
         return None
 
     def storey(self, name: str, products: list[Any]) -> DrawnStorey:
@@ -222,9 +222,9 @@ class _Model:
             if body is None:
                 continue
             low = max(body.low - base, 0.0)
-            named = kind or ("window" if low > SETTINGS.sill else "passage")
+            opening_kind = kind or ("window" if low > SETTINGS.sill else "passage")
             name = f"opening_{len(drawing.openings)}"
-            segment = nearest.segment(body.area, name, named)
+            segment = nearest.segment(body.area, name, opening_kind)
             if segment is None:
                 continue
             # Holes in two layers of a wall are one opening.
@@ -272,8 +272,10 @@ class _Model:
         if largest is None or largest.is_empty:
             return None
         heights = points[:, 2]
-        looked = np.column_stack([plan, heights])
-        return _Body(largest.simplify(1e-4), float(heights.min()), float(heights.max()), looked)
+        plan_points = np.column_stack([plan, heights])
+        return _Body(
+            largest.simplify(1e-4), float(heights.min()), float(heights.max()), plan_points
+        )
 
 
 def _flight(body: _Body) -> Stairs | None:

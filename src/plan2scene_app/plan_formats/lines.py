@@ -29,11 +29,11 @@ def axes_of_lines(lines: Sequence[LineString]) -> list[WallAxis]:
     Faces are paired, the nearest pairs first. A long face may have several short partners, as where
     walls that join it interrupt the opposite face. An axis is as long as the shorter face.
     """
-    drawn = [pair for line in lines for pair in pairwise(line.coords) if math.dist(*pair) > 0.01]
-    once: dict[object, tuple[tuple[float, ...], ...]] = {}
-    for pair in drawn:
-        once.setdefault(same_ends(*pair), pair)
-    pieces = [LineString(pair) for pair in once.values()]
+    segments = [pair for line in lines for pair in pairwise(line.coords) if math.dist(*pair) > 0.01]
+    segment_by_ends: dict[object, tuple[tuple[float, ...], ...]] = {}
+    for pair in segments:
+        segment_by_ends.setdefault(same_ends(*pair), pair)
+    pieces = [LineString(pair) for pair in segment_by_ends.values()]
     if not pieces:
         return []
     limit_pairs(pieces, SETTINGS.faces[1], "lines of walls side by side")
@@ -136,9 +136,9 @@ def rooms_of_outlines(lines: Sequence[LineString], gaps: Sequence[WallAxis]) -> 
 
     `gaps` are the pieces of wall through openings, where the outlines are interrupted.
     """
-    once = list({line.wkb: line for line in lines}.values())
-    limit_pairs(once, 0.0, "lines of walls that meet")
-    network = unary_union(once, grid_size=SETTINGS.grid)
+    unique_lines = list({line.wkb: line for line in lines}.values())
+    limit_pairs(unique_lines, 0.0, "lines of walls that meet")
+    network = unary_union(unique_lines, grid_size=SETTINGS.grid)
     thin = [face for face in polygonize(network) if face.buffer(-SETTINGS.thin / 2).is_empty]
     over = [
         LineString([gap.start, gap.end]).buffer(gap.thickness / 2, cap_style="flat") for gap in gaps
@@ -174,8 +174,8 @@ def groups_of_lines(lines: Sequence[LineString]) -> list[Polygon]:
     for name, line in zip(group.tolist(), lines, strict=True):
         members.setdefault(name, []).append(line)
     groups = []
-    for inside in members.values():
-        area = MultiLineString(inside).minimum_rotated_rectangle
+    for group_lines in members.values():
+        area = MultiLineString(group_lines).minimum_rotated_rectangle
         if isinstance(area, LineString):
             area = area.buffer(0.005, cap_style="flat")
         if isinstance(area, Polygon):

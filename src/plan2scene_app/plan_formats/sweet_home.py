@@ -84,14 +84,14 @@ class _Home:
 
     def drawn_levels(self) -> list[str]:
         """Return the ids of levels with rooms or walls, else of the first, "" without levels."""
-        drawn = {
+        drawn_ids = {
             self._level(element.get("level", ""))
             for tag in ("room", "wall")
             for element in self.root.findall(tag)
         }
-        if len(drawn) > MAX_LEVELS:
-            raise self.source.fault(f"at most {MAX_LEVELS} levels", len(drawn))
-        return [name for name in self.levels if name in drawn] or [self._level("")]
+        if len(drawn_ids) > MAX_LEVELS:
+            raise self.source.fault(f"at most {MAX_LEVELS} levels", len(drawn_ids))
+        return [name for name in self.levels if name in drawn_ids] or [self._level("")]
 
     def _level(self, named: str) -> str:
         """Return the level that an element names, or the first if the file has no such level."""
@@ -141,11 +141,11 @@ class _Home:
         """Yield the visible elements with these tags on a level, also those in groups."""
         queue = [(element, element.get("level", "")) for element in reversed(self.root)]
         while queue:
-            element, own = queue.pop()
-            if self._level(own) != level:
+            element, own_level = queue.pop()
+            if self._level(own_level) != level:
                 continue
             if element.tag == "furnitureGroup":
-                queue += [(child, child.get("level", own)) for child in reversed(element)]
+                queue += [(child, child.get("level", own_level)) for child in reversed(element)]
             elif element.tag in tags and element.get("visible") != "false":
                 yield element
 

@@ -194,17 +194,17 @@ class Projects:
 
     def make(self, name: str) -> Project:
         """Make an empty project with the title `name`; its folder's name is an id made from it."""
-        shown = " ".join(name.encode("utf-8", "replace").decode().split())[:60]
-        if not shown or any(shown == self.get(other).title for other in self.names()):
-            raise InputError("a name that no other project has", repr(shown))
-        stem = own = fit_id(shown, "home")
+        title = " ".join(name.encode("utf-8", "replace").decode().split())[:60]
+        if not title or any(title == self.get(other).title for other in self.names()):
+            raise InputError("a name that no other project has", repr(title))
+        stem = folder_name = fit_id(title, "home")
         number = 1
-        while os.path.lexists(self.root / own):
+        while os.path.lexists(self.root / folder_name):
             number += 1
-            own = f"{stem[:50]}_{number}"
-        project = Project(self.root / own)
+            folder_name = f"{stem[:50]}_{number}"
+        project = Project(self.root / folder_name)
         project.path.mkdir()
-        write_json(project.path / EXTRA, {"photos": [], "place": None, "name": shown})
+        write_json(project.path / EXTRA, {"photos": [], "place": None, "name": title})
         return project
 
 

@@ -287,8 +287,8 @@ def make_house(project: Project, settings: Mapping[str, Any]) -> None:
         walls=settings["walls"],
     )
     # In a project with a house, deliver the new house and its viewer before the slow pictures.
-    seen = ("house.glb", "viewer.html")
-    first = seen if (project.house / seen[1]).is_file() else ()
+    viewer_files = ("house.glb", "viewer.html")
+    first = viewer_files if (project.house / viewer_files[1]).is_file() else ()
     events = project.path / EVENTS
     warnings = logging.FileHandler(events, encoding="utf-8", delay=True)
     warnings.setFormatter(_AsEvent())

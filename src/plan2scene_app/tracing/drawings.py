@@ -147,7 +147,7 @@ def _captions(
 ) -> dict[int, tuple[int, str]]:
     """Return {drawing: (storey number, caption)} by the nearest caption outside all rooms."""
     boxes = {n: _box((owner == n) & (rooms > 0)) for n in drawings}
-    found: dict[int, tuple[float, int, str]] = {}
+    captions: dict[int, tuple[float, int, str]] = {}
     for line in lines:
         height = storey_told(line.text)
         x, y = (round(v) for v in line.middle)
@@ -157,9 +157,9 @@ def _captions(
             continue
         away = {n: _distance(box, line.middle) for n, box in boxes.items()}
         nearest = min(away, key=lambda n: away[n])
-        if nearest not in found or away[nearest] < found[nearest][0]:
-            found[nearest] = (away[nearest], height, line.text)
-    return {n: (height, text) for n, (_, height, text) in found.items()}
+        if nearest not in captions or away[nearest] < captions[nearest][0]:
+            captions[nearest] = (away[nearest], height, line.text)
+    return {n: (height, text) for n, (_, height, text) in captions.items()}
 
 
 def storey_told(text: str) -> int | None:
@@ -169,8 +169,10 @@ def storey_told(text: str) -> int | None:
     if not 0 < len(words) <= _CAPTION_WORDS:
         return None
     joined = f"_{'_'.join(words)}_"
-    told = [h for h, names in _STOREYS.items() if any(f"_{n}_" in joined for n in names.split())]
-    return max(told) if told else None
+    storey_numbers = [
+        h for h, names in _STOREYS.items() if any(f"_{n}_" in joined for n in names.split())
+    ]
+    return max(storey_numbers) if storey_numbers else None
 
 
 def _box(mask: np.ndarray) -> tuple[int, int, int, int]:
@@ -202,9 +204,9 @@ def _shift(
     floors, flights = [], []
     for number, (x0, y0, x1, y1) in zip(pair, boxes, strict=True):
         part = (slice(y0, y1, step), slice(x0, x1, step))
-        own = (owner[part] == number) & (rooms[part] > 0)
-        floors.append(own.astype(np.float32))
-        flights.append((own & stairs[part]).astype(np.float32))
+        floor_mask = (owner[part] == number) & (rooms[part] > 0)
+        floors.append(floor_mask.astype(np.float32))
+        flights.append((floor_mask & stairs[part]).astype(np.float32))
     walls = [floor - ndimage.binary_erosion(floor, np.ones((3, 3))) for floor in floors]
     score = _met(floors) + SETTINGS.walls_meet * _met(walls) + SETTINGS.stairs_meet * _met(flights)
     y, x = np.unravel_index(int(score.argmax()), score.shape)

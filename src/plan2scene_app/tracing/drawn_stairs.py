@@ -52,7 +52,7 @@ def find_treads(image: np.ndarray, ppm: float) -> list[Treads]:
     `ppm` is roughly its number of pixels a metre.
     """
     ink = ink_of(image)
-    found = []
+    ladders = []
     for upright in (True, False):
         lines = _lines_across(ink if upright else ink.T, ppm)
         for chain in _ladders(lines, ppm):
@@ -61,15 +61,15 @@ def find_treads(image: np.ndarray, ppm: float) -> list[Treads]:
             place = (x0, chain[0, 2] - depth / 2, x1, chain[-1, 2] + depth / 2)
             place = place if upright else (place[1], place[0], place[3], place[2])
             x0, y0, x1, y1 = (float(v) for v in place)
-            found.append(Treads((x0, y0, x1, y1), upright))
-    return [one for one in found if not any(_crossed(one, other) for other in found)]
+            ladders.append(Treads((x0, y0, x1, y1), upright))
+    return [one for one in ladders if not any(_crossed(one, other) for other in ladders)]
 
 
 def _crossed(one: Treads, other: Treads) -> bool:
     """Return whether lines at right angles, `other`, cover half of `one`: both are tiles."""
-    mine, theirs = box(*one.box), box(*other.box)
+    one_box, other_box = box(*one.box), box(*other.box)
     crosses = one.upright != other.upright
-    return crosses and mine.intersection(theirs).area > 0.5 * mine.area
+    return crosses and one_box.intersection(other_box).area > 0.5 * one_box.area
 
 
 def _lines_across(ink: np.ndarray, ppm: float) -> np.ndarray:
@@ -115,8 +115,8 @@ def _ladders(lines: np.ndarray, ppm: float) -> Iterator[np.ndarray]:
 def covered(treads: Sequence[Treads], floor: np.ndarray) -> float:
     """Return the share of a room's floor (h, w) bool that treads take."""
     taken = np.zeros_like(floor)
-    for drawn in treads:
-        x0, y0, x1, y1 = (max(0, round(v)) for v in drawn.box)
+    for ladder in treads:
+        x0, y0, x1, y1 = (max(0, round(v)) for v in ladder.box)
         taken[y0:y1, x0:x1] = True
     return float((taken & floor).sum() / max(1, floor.sum()))
 
@@ -135,11 +135,11 @@ def flights_of(
     flights = []
     for place, pair in enumerate(pairwise(storeys)):
         floors = [_floors(rooms, storey) for storey in pair]
-        drawn = [_on_storey(treads, *item) for item in zip(pair, floors, strict=True)]
-        on_both = [_joined(a, b) for a, b in product(*drawn) if _meet(a, b)]
+        treads_by_storey = [_on_storey(treads, *item) for item in zip(pair, floors, strict=True)]
+        joined_treads = [_joined(a, b) for a, b in product(*treads_by_storey) if _meet(a, b)]
         ways = [
             flight
-            for strip in on_both or drawn[0] or drawn[1]
+            for strip in joined_treads or treads_by_storey[0] or treads_by_storey[1]
             for flight in _ways_up(strip, place, floors, metres)
         ]
         if ways:
@@ -157,11 +157,11 @@ def _on_storey(treads: Sequence[Treads], storey: Storey, floors: Sequence[Polygo
     """Return the treads in the rooms of a storey, moved onto the ground floor."""
     dx, dy = storey.shift
     moved = [
-        Treads((x0 + dx, y0 + dy, x1 + dx, y1 + dy), drawn.upright)
-        for drawn in treads
-        for x0, y0, x1, y1 in [drawn.box]
+        Treads((x0 + dx, y0 + dy, x1 + dx, y1 + dy), ladder.upright)
+        for ladder in treads
+        for x0, y0, x1, y1 in [ladder.box]
     ]
-    return [drawn for drawn in moved if _room_at(drawn.middle, floors)]
+    return [ladder for ladder in moved if _room_at(ladder.middle, floors)]
 
 
 def _room_at(point: np.ndarray, floors: Sequence[Polygon]) -> Polygon | None:
@@ -221,5 +221,5 @@ def _clear(start: np.ndarray, way: np.ndarray, floors: Sequence[Polygon]) -> flo
     room = _room_at(start, floors)
     if room is None:
         return 1e6
-    far = start + way * 1e5
-    return float(Point(start).distance(LineString([start, far]).intersection(room.exterior)))
+    far_point = start + way * 1e5
+    return float(Point(start).distance(LineString([start, far_point]).intersection(room.exterior)))

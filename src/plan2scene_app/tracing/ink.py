@@ -64,9 +64,9 @@ def without_standing_lines(structure: np.ndarray, image: np.ndarray, ppm: float)
     around, _ = ndimage.label(np.pad(structure == OUTSIDE, 1, constant_values=True))
     outside = ndimage.binary_dilation(around == around[0, 0])[1:-1, 1:-1]
     places, count = ndimage.label(~np.isin(structure, (ROOM, OUTSIDE)), np.ones((3, 3)))
-    stands = np.ones(count + 1, bool)
-    stands[np.unique(places[solid | outside | (structure != WALL)])] = False
-    return np.where(stands[places], ROOM, structure).astype(np.uint8)
+    standing = np.ones(count + 1, bool)
+    standing[np.unique(places[solid | outside | (structure != WALL)])] = False
+    return np.where(standing[places], ROOM, structure).astype(np.uint8)
 
 
 def with_drawn_doors(structure: np.ndarray, image: np.ndarray, ppm: float) -> np.ndarray:
@@ -204,20 +204,22 @@ def _facing(solid: np.ndarray, ppm: float) -> Iterator[_Gap]:
         plane = solid.T if turned else solid
         thick, long = _run_lengths(plane), _run_lengths(plane.T).T
         ending = (thick <= thickest) & (long >= 1.5 * thick)
-        found: list[list[int]] = []  # start and stop along the gap, start and stop across it
+        gap_boxes: list[list[int]] = []  # start and stop along the gap, start and stop across it
         for y, row in enumerate(plane):
             edges = np.flatnonzero(np.diff(row.astype(np.int8)))
             for low, high in zip(edges[:-1] + 1, edges[1:] + 1, strict=True):
                 ends = ending[y, low - 1] or ending[y, high]
                 if row[low] or not ends or not least <= high - low <= most:
                     continue
-                above = (g for g in found if g[3] == y and abs(g[0] - low) + abs(g[1] - high) <= 2)
+                above = (
+                    g for g in gap_boxes if g[3] == y and abs(g[0] - low) + abs(g[1] - high) <= 2
+                )
                 gap = next(above, None)
                 if gap is None:
-                    found.append([int(low), int(high), y, y + 1])
+                    gap_boxes.append([int(low), int(high), y, y + 1])
                 else:
                     gap[3] = y + 1
-        for low, high, first, last in found:
+        for low, high, first, last in gap_boxes:
             if thinnest <= last - first <= thickest:
                 across, along = slice(first, last), slice(low, high)
                 rows, columns = (along, across) if turned else (across, along)
@@ -275,8 +277,8 @@ def _swings(thin: np.ndarray, gap: _Gap, *, leaves: bool = False) -> tuple[_Box,
                 for side in (1, -1):
                     for y0 in {across.start, (across.start + across.stop) // 2, across.stop - 1}:
                         y = np.round(y0 + side * radius * np.sin(angles)).astype(int)
-                        drawn = _drawn(plane, x, y)
-                        if drawn < SETTINGS.arc_drawn:
+                        drawn_share = _drawn(plane, x, y)
+                        if drawn_share < SETTINGS.arc_drawn:
                             continue
                         beside = [
                             _drawn(plane, x + way * d, y + side * d) for d in (-_CLEAR, _CLEAR)
@@ -335,12 +337,14 @@ def with_whole_windows(
     """
     ink = ink_of(image)
     long = [o for o in openings if o.kind == "window" or (o.room in garages and not o.other)]
-    found = [opening for opening in openings if opening not in long]
-    others = [np.array([opening.start, opening.end]) for opening in found]
+    whole_openings = [opening for opening in openings if opening not in long]
+    other_ends = [np.array([opening.start, opening.end]) for opening in whole_openings]
     edges = edges_of(polygons)
     for window in long:
-        found += _whole_windows(window, edge_of(window, edges), others, ink, wall_px, ppm)
-    return joined(found, ppm)
+        whole_openings += _whole_windows(
+            window, edge_of(window, edges), other_ends, ink, wall_px, ppm
+        )
+    return joined(whole_openings, ppm)
 
 
 def _across(edge: Edge, plane: np.ndarray, wall_px: float) -> np.ndarray:
@@ -368,35 +372,40 @@ def _whole_windows(
     They end before `others`, the ends (2, 2) of openings that are no windows. The window stays as
     it is if the profiles along it differ much.
     """
-    drawn = _across(edge, ink, wall_px)
+    profiles = _across(edge, ink, wall_px)
     steps = np.arange(0.5, edge.length)
     low, high = _span(window, edge)
-    own = (steps > low) & (steps < high)
-    if not own.any():
+    in_window = (steps > low) & (steps < high)
+    if not in_window.any():
         return [window]
-    off = np.abs(drawn - np.median(drawn[own], axis=0)).max(axis=1)
+    differences = np.abs(profiles - np.median(profiles[in_window], axis=0)).max(axis=1)
     post = np.ones(max(1, round(SETTINGS.pier * ppm)))
-    alike = ndimage.binary_closing(off <= SETTINGS.alike_lines, post)
+    alike_steps = ndimage.binary_closing(differences <= SETTINGS.alike_lines, post)
     for other in others:
         along, off_edge = edge.place(other)
         if np.abs(off_edge).max() <= 2 * wall_px:
             first, last = np.sort(along).round().astype(int).clip(0)
-            alike[first:last] = False
-    runs, _ = ndimage.label(alike)
+            alike_steps[first:last] = False
+    runs, _ = ndimage.label(alike_steps)
     spans = [
         (run.start, run.stop)
         for number, (run,) in enumerate(ndimage.find_objects(runs), start=1)
-        if (own & (runs == number)).any() and run.stop - run.start >= SETTINGS.opening * ppm
+        if (in_window & (runs == number)).any() and run.stop - run.start >= SETTINGS.opening * ppm
     ]
-    if alike[own].mean() < 0.5 or not spans or spans[0][0] == 0 or spans[-1][1] == len(steps):
+    if (
+        alike_steps[in_window].mean() < 0.5
+        or not spans
+        or spans[0][0] == 0
+        or spans[-1][1] == len(steps)
+    ):
         return [window]
-    found = []
+    windows = []
     for k, (start, stop) in enumerate(spans):
         first = min(low, start) if k == 0 else start
         last = max(high, stop) if k == len(spans) - 1 else stop
         p, q = ((edge.start + along * edge.way).tolist() for along in (first, last))
-        found.append(replace(window, start=(p[0], p[1]), end=(q[0], q[1])))
-    return found
+        windows.append(replace(window, start=(p[0], p[1]), end=(q[0], q[1])))
+    return windows
 
 
 def with_sliding_doors(
@@ -421,8 +430,8 @@ def with_sliding_doors(
         if opening not in kept or not _leads_out(opening, open_air):
             continue
         edge = edge_of(opening, edges)
-        drawn, marked = (_across(edge, plane, wall_px) for plane in (ink, marks))
-        gap = _sliding(drawn, marked, int(np.mean(_span(opening, edge))), ppm)
+        ink_profiles, mark_profiles = (_across(edge, plane, wall_px) for plane in (ink, marks))
+        gap = _sliding(ink_profiles, mark_profiles, int(np.mean(_span(opening, edge))), ppm)
         if gap is None:
             continue
         low, high = gap[0] - beside, gap[1] + beside

@@ -46,9 +46,9 @@ def read_lines(image: np.ndarray) -> list[TextLine]:
     if factor != 1:
         how = cv2.INTER_AREA if factor < 1 else cv2.INTER_CUBIC
         image = cv2.resize(image, None, fx=factor, fy=factor, interpolation=how)
-    found = _read_whole(image)
-    doubtful = [line for line in found if line.upright and _misread(line)]
-    lines = [line for line in found if line not in doubtful and _is_sure(line)]
+    all_lines = _read_whole(image)
+    doubtful = [line for line in all_lines if line.upright and _misread(line)]
+    lines = [line for line in all_lines if line not in doubtful and _is_sure(line)]
     lines = [_as_it_stands(image, line) for line in lines]
     again = filter(_is_sure, _read_turned(image, doubtful))
     lines += [line for line in again if not any(_holds(one, line) for one in lines)]
@@ -83,10 +83,10 @@ def _read_whole(image: np.ndarray) -> list[TextLine]:
     The reader can't tell which way up a short name is, but all names of a drawing stand one way:
     the turn with the most letters, weighted by their score, is taken.
     """
-    found = _read(image)
-    words = [line for line in found if len(line.text) > 1]
+    unturned_lines = _read(image)
+    words = [line for line in unturned_lines if len(line.text) > 1]
     if len(words) < SETTINGS.turned or sum(line.upright for line in words) <= 0.5 * len(words):
-        return found
+        return unturned_lines
     width, height = image.shape[1], image.shape[0]
     downwards = [
         replace(line, middle=(width - line.middle[1], line.middle[0]), size=line.size[::-1])
@@ -100,7 +100,7 @@ def _read_whole(image: np.ndarray) -> list[TextLine]:
     def letters(lines: Sequence[TextLine]) -> float:
         return sum(len(line.text) * line.score for line in lines if _is_sure(line))
 
-    return max(downwards, upwards, found, key=letters)
+    return max(downwards, upwards, unturned_lines, key=letters)
 
 
 def _read(image: np.ndarray, *, one_way: bool = False) -> list[TextLine]:

@@ -41,13 +41,13 @@ def with_named_areas(
         if number in tried:
             continue
         tried.add(number)
-        own = places == number
-        within = ndimage.binary_fill_holes(own) & ~own
-        held = (structure[within] == ROOM).sum() >= SETTINGS.parted_floor * ppm**2
-        if held or own.sum() < SETTINGS.room_floor * ppm**2:
+        area = places == number
+        within = ndimage.binary_fill_holes(area) & ~area
+        holds_rooms = (structure[within] == ROOM).sum() >= SETTINGS.parted_floor * ppm**2
+        if holds_rooms or area.sum() < SETTINGS.room_floor * ppm**2:
             continue
-        changed[own] = ROOM
-        beside = _wide(own) & ~own & (structure == OUTSIDE)
+        changed[area] = ROOM
+        beside = _wide(area) & ~area & (structure == OUTSIDE)
         # A line between this area and floor that the network saw already is furniture, no wall.
         changed[beside] = np.where(_wide(structure == ROOM)[beside], ROOM, WALL)
     return changed
@@ -72,12 +72,12 @@ def without_counters(
     named, cooked = (_at(floors, places) for places in (names, kitchens))
     changed = structure.copy()
     for kitchen in cooked:
-        own = floors == kitchen
-        for number in np.unique(floors[_across(own, lines)]).tolist():
+        kitchen_floor = floors == kitchen
+        for number in np.unique(floors[_across(kitchen_floor, lines)]).tolist():
             if number in {0, kitchen} | named or areas[number] > SETTINGS.counter * areas[kitchen]:
                 continue
             counter = floors == number
-            between = _across(own, lines) & _across(counter, lines) & lines
+            between = _across(kitchen_floor, lines) & _across(counter, lines) & lines
             around = _wide(counter) & ~counter
             front = (_wide(_wide(between)) & around).sum()
             if front >= SETTINGS.counter_front * around.sum():

@@ -41,22 +41,22 @@ def with_open_rooms(
     """Return the regions, rooms with several names divided; `metres` is the size of a pixel."""
     ink = ink_of(image) > SETTINGS.faint
     # A dividing line must not end in a door or window, as it would halve it.
-    drawn = np.isin(regions.structure, list(OPENINGS))
-    opened = ndimage.binary_dilation(drawn, iterations=1 + round(regions.wall_px))
+    opening_mask = np.isin(regions.structure, list(OPENINGS))
+    opened = ndimage.binary_dilation(opening_mask, iterations=1 + round(regions.wall_px))
     feet = sides_in_feet(line.text for line in lines)
     floors, count = regions.floors.copy(), regions.count
     names = list(_named(lines, feet=feet))
     for number in polygons:
-        named = [one for one in names if _at(floors, one.place) == number]
-        for k, one in enumerate(named):
-            for other in named[k + 1 :]:
+        floor_names = [one for one in names if _at(floors, one.place) == number]
+        for k, one in enumerate(floor_names):
+            for other in floor_names[k + 1 :]:
                 sized = one.sides and other.sides
                 if (one.type == other.type and not sized) or _at(floors, one.place) != _at(
                     floors, other.place
                 ):
                     continue
-                own = floors == _at(floors, one.place)
-                part = _divided(own, one, other, (ink, opened), metres, regions.ppm)
+                joint_floor = floors == _at(floors, one.place)
+                part = _divided(joint_floor, one, other, (ink, opened), metres, regions.ppm)
                 if part is not None:
                     count += 1
                     floors[part] = count
@@ -135,7 +135,7 @@ def _cuts(
     first, last = round(low.place[axis]) + 3, round(high.place[axis]) - 3
     if last - first < SETTINGS.room_width * ppm:
         return
-    told = []
+    size_ends = []
     for named, way in ((low, -1), (high, 1)):
         x, y = round(named.place[axis]), round(named.place[1 - axis])
         end = x + way * _run(floor[y, x::way])
@@ -143,12 +143,12 @@ def _cuts(
         # One printed side is the floor's width from wall to wall; the other ends at the line.
         pairs = zip(named.sides, named.sides[::-1], strict=True)
         beside = sorted(pairs, key=lambda pair: abs(pair[1] - across))
-        told += [round(end - way * side / metres) for side, _ in beside[:1]]
+        size_ends += [round(end - way * side / metres) for side, _ in beside[:1]]
     widths = floor.sum(0)
     steps = np.flatnonzero(np.abs(np.diff(widths)) > SETTINGS.room_width * ppm) + 1
-    for cut in sorted({*told, *steps.tolist(), *range(first, last, 2)}):
+    for cut in sorted({*size_ends, *steps.tolist(), *range(first, last, 2)}):
         if first <= cut <= last:
-            near = [abs(cut - place) * metres for place in told]
+            near = [abs(cut - place) * metres for place in size_ends]
             yield cut, float(sum(max(0.0, 1 - off / SETTINGS.size_off) for off in near))
 
 
@@ -169,5 +169,7 @@ def _with_its_name(
         places, _ = ndimage.label(mask)
         x, y = (round(v) for v in named.place)
         parts.append((places, places[(y, x) if axis == 0 else (x, y)]))
-    (rest, first), (own, second) = parts
-    return np.asarray(((own == second) & side) | ((rest > 0) & (rest != first)))
+    (one_parts, one_number), (other_parts, other_number) = parts
+    return np.asarray(
+        ((other_parts == other_number) & side) | ((one_parts > 0) & (one_parts != one_number))
+    )

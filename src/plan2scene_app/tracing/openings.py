@@ -84,13 +84,13 @@ def _apart(drawn: np.ndarray, thick: float) -> tuple[np.ndarray, int]:
     for number, box in enumerate(ndimage.find_objects(places, count), start=1):
         if min(s.stop - s.start for s in box) <= thick:
             continue
-        own = places[box] == number
-        upright = own & (_runs(own) < _runs(own.T).T)
+        component = places[box] == number
+        upright = component & (_runs(component) < _runs(component.T).T)
         pieces, more = ndimage.label(upright, np.ones((3, 3)))
         places[box][upright] = pieces[upright] + count
-        flat, others = ndimage.label(own & ~upright, np.ones((3, 3)))
-        places[box][own & ~upright] = flat[own & ~upright] + count + more
-        count += more + others
+        flat, flat_count = ndimage.label(component & ~upright, np.ones((3, 3)))
+        places[box][component & ~upright] = flat[component & ~upright] + count + more
+        count += more + flat_count
     kept = np.bincount(places.ravel()) > 0
     return (np.cumsum(kept) - 1)[places], int(kept.sum()) - 1
 
@@ -195,7 +195,7 @@ def _undrawn_passages(
     a cupboard along a wall, does not count.
     """
     beside = SETTINGS.open_beside * regions.ppm
-    drawn = [opening for opening in known if opening.kind != OPENINGS[PASSAGE]]
+    doors_and_windows = [opening for opening in known if opening.kind != OPENINGS[PASSAGE]]
     passages = []
     for edge in edges:
         if edge.length < SETTINGS.open_floor * regions.ppm:
@@ -210,7 +210,7 @@ def _undrawn_passages(
             if high - low < SETTINGS.open_floor * regions.ppm:
                 continue
             opening = _opening(edge, low, high, OPENINGS[PASSAGE], 0.5, polygons, regions)
-            if opening.other > edge.room and not any(_same(opening, o) for o in drawn):
+            if opening.other > edge.room and not any(_same(opening, o) for o in doors_and_windows):
                 blank = float((labels_at(regions, line[run]) == ROOM).mean())
                 wide = opening.width >= SETTINGS.open_room * regions.ppm
                 passages.append(replace(opening, full=wide and blank >= SETTINGS.open_blank))

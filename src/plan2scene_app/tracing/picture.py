@@ -202,16 +202,16 @@ def drawn_size(structure: np.ndarray) -> float:
 
 def scale_by_doors(widths: Sequence[float], size: float) -> float:
     """Estimate the pixels a metre from the doors' widths and the plan's longer side, in pixels."""
-    usual, spread = np.log(size / SETTINGS.home_size[0]), SETTINGS.home_size[1]
+    size_log, spread = np.log(size / SETTINGS.home_size[0]), SETTINGS.home_size[1]
     if not widths:
-        return float(np.exp(usual))
+        return float(np.exp(size_log))
     # The 70th percentile, as half of a door is found more often than two doors as one.
-    doors, unsure = (
+    door_log, unsure = (
         np.log(np.percentile(widths, 70) / SETTINGS.door_width[0]),
         0.15 + 0.4 / len(widths),
     )
     weights = np.array([1 / spread**2, 1 / unsure**2])
-    return float(np.exp((weights * [usual, doors]).sum() / weights.sum()))
+    return float(np.exp((weights * [size_log, door_log]).sum() / weights.sum()))
 
 
 def outline_of(first: Frame, structure: np.ndarray) -> np.ndarray:
@@ -262,7 +262,7 @@ def warped(
     small = cv2.resize(image, None, fx=zoom, fy=zoom, interpolation=how)
     matrix = np.c_[turn, -low * zoom]
     paper = np.median(np.r_[image[0], image[-1], image[:, 0], image[:, -1]], axis=0)
-    seen = cv2.warpAffine(
+    warped_image = cv2.warpAffine(
         small,
         matrix,
         (int(size[0]), int(size[1])),
@@ -270,7 +270,7 @@ def warped(
         borderMode=cv2.BORDER_CONSTANT,
         borderValue=[float(v) for v in paper],
     )
-    return Frame(seen, np.c_[turn * zoom, -low * zoom])
+    return Frame(warped_image, np.c_[turn * zoom, -low * zoom])
 
 
 def _largest_part(drawn: np.ndarray) -> np.ndarray:

@@ -65,15 +65,15 @@ def without_pockets(structure: np.ndarray, ppm: float) -> np.ndarray:
     filled = structure.copy()
     for number, box in enumerate(ndimage.find_objects(pockets, count), start=1):
         rows, columns = (slice(max(0, s.start - 1), s.stop + 1) for s in box)
-        own = pockets[rows, columns] == number
-        rim = ndimage.binary_dilation(own) & ~own
-        seen = np.mean(structure[rows, columns][rim] == ROOM) > SETTINGS.pocket
-        if not seen and leading[rows, columns][rim].sum() >= SETTINGS.opening * ppm:
-            around = ndimage.binary_fill_holes(own).sum() - own.sum()
-            large = own.sum() >= SETTINGS.parted_floor * ppm**2
-            seen = large and around < SETTINGS.parted_floor * ppm**2
-        if seen:
-            filled[rows, columns][own] = ROOM
+        pocket = pockets[rows, columns] == number
+        rim = ndimage.binary_dilation(pocket) & ~pocket
+        is_room = np.mean(structure[rows, columns][rim] == ROOM) > SETTINGS.pocket
+        if not is_room and leading[rows, columns][rim].sum() >= SETTINGS.opening * ppm:
+            around = ndimage.binary_fill_holes(pocket).sum() - pocket.sum()
+            large = pocket.sum() >= SETTINGS.parted_floor * ppm**2
+            is_room = large and around < SETTINGS.parted_floor * ppm**2
+        if is_room:
+            filled[rows, columns][pocket] = ROOM
     return filled
 
 
@@ -112,22 +112,22 @@ def _with_strips(floors: np.ndarray, mask: np.ndarray, wall_px: float, ppm: floa
     """
     strips, count = ndimage.label(mask & (floors == 0))
     away, nearest = ndimage.distance_transform_edt(floors == 0, return_indices=True)
-    found = floors.copy()
+    widened = floors.copy()
     for number, box in enumerate(ndimage.find_objects(strips, count), start=1):
         rows, columns = (slice(max(0, s.start - 1), s.stop + 1) for s in box)
-        own = strips[rows, columns] == number
-        depth = cv2.distanceTransform(np.pad(own, 1).astype(np.uint8), cv2.DIST_L2, 3)
+        strip = strips[rows, columns] == number
+        depth = cv2.distanceTransform(np.pad(strip, 1).astype(np.uint8), cv2.DIST_L2, 3)
         if 2 * depth.max() < SETTINGS.strip * ppm:
             continue
-        rim = own & ~ndimage.binary_erosion(own)
+        rim = strip & ~ndimage.binary_erosion(strip)
         behind = floors[tuple(index[rows, columns][rim] for index in nearest)]
         off = away[rows, columns][rim]
         beside = [n for n in np.unique(behind) if (behind == n).mean() >= SETTINGS.strip_beside]
         thick = sorted((float(np.percentile(off[behind == n], 25)), int(n)) for n in beside)
         least = min([wall_px + 1, *(other for other, _ in thick[1:])])
         if thick and thick[0][0] <= SETTINGS.strip_thinner * least:
-            found[rows, columns][own] = thick[0][1]
-    return found
+            widened[rows, columns][strip] = thick[0][1]
+    return widened
 
 
 def floor_count(structure: np.ndarray, ppm: float) -> int:

@@ -143,8 +143,10 @@ def _cells(
     winners = votes.reshape(-1, count)[: len(cells) + 1].argmax(1)
     polygons = {}
     for number in numbers:
-        own = [cell for cell, winner in zip(cells, winners[1:], strict=True) if winner == number]
-        shape = _largest(shapely.union_all(own, grid_size=1e-3) if own else Polygon())
+        room_cells = [
+            cell for cell, winner in zip(cells, winners[1:], strict=True) if winner == number
+        ]
+        shape = _largest(shapely.union_all(room_cells, grid_size=1e-3) if room_cells else Polygon())
         shape = without_spikes(shape.simplify(0.01), SETTINGS.spike * regions.ppm)
         # A room much smaller than its floor has lost its cells to another room: leave it out.
         floor = float((regions.floors == number).sum())
@@ -193,16 +195,18 @@ def describe_rooms(
     taken: set[str] = set()
     boxes = ndimage.find_objects(regions.floors, regions.count)
     for number, polygon in polygons.items():
-        own = tuple(line for line in lines if polygon.contains(Point(line.middle)))
-        name = _name_of(own)[:60]
-        types = _types_by_names([line.text for line in own])
+        room_lines = tuple(line for line in lines if polygon.contains(Point(line.middle)))
+        name = _name_of(room_lines)[:60]
+        types = _types_by_names([line.text for line in room_lines])
         box = boxes[number - 1]
         inside = probabilities[:, *box][:, regions.floors[box] == number].mean(1)
         kinds = types or _types_by_furniture(inside)
         base = name if types and name else kinds[0]
         sure = float(inside[ROOM:].sum())
         identifier = free_id(base, taken)
-        rooms.append(TracedRoom(number, polygon, identifier, name, kinds, bool(types), sure, own))
+        rooms.append(
+            TracedRoom(number, polygon, identifier, name, kinds, bool(types), sure, room_lines)
+        )
     return rooms
 
 
@@ -223,17 +227,17 @@ def with_types_by_marks(
     """
     if 2 * sum(room.named for room in rooms) < len(rooms):
         return list(rooms)
-    named = {kind for room in rooms if room.named for kind in room.types}
+    named_types = {kind for room in rooms if room.named for kind in room.types}
     light = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY).astype(np.float32)
     slopes = cv2.Sobel(light, cv2.CV_32F, 1, 0), cv2.Sobel(light, cv2.CV_32F, 0, 1)
     edge = np.hypot(*slopes) > SETTINGS.mark_slope
     angle = np.degrees(np.arctan2(*np.abs(slopes)))
     askew = (angle > SETTINGS.askew[0]) & (angle < SETTINGS.askew[1]) & edge
-    taken = {room.id for room in rooms if _told(room, named)}
-    told = []
+    taken = {room.id for room in rooms if _told(room, named_types)}
+    typed_rooms = []
     for room in rooms:
-        if _told(room, named):
-            told.append(room)
+        if _told(room, named_types):
+            typed_rooms.append(room)
             continue
         floor = (regions.floors == room.number).astype(np.uint8)
         inside = cv2.erode(floor, np.ones((5, 5), np.uint8)) > 0
@@ -243,13 +247,13 @@ def with_types_by_marks(
         ways = sum(o.kind != "window" and room.number in (o.room, o.other) for o in openings)
         area = float(floor.sum()) * metres**2
         # Basins and tubs are as round as arcs: if no bath is named, only halls may have door arcs.
-        swings = swings and ("Bathroom" in named or ways >= SETTINGS.ways_of_hall)
+        swings = swings and ("Bathroom" in named_types or ways >= SETTINGS.ways_of_hall)
         kind = _type_by_marks(area, dense, ways, swings=swings)
         if treads[room.number] > SETTINGS.stairs:
             kind = "Staircase"
         types = (kind,) if kind else room.types
-        told.append(replace(room, types=types, id=free_id(types[0], taken)))
-    return told
+        typed_rooms.append(replace(room, types=types, id=free_id(types[0], taken)))
+    return typed_rooms
 
 
 def _told(room: TracedRoom, named: Collection[str]) -> bool:
@@ -347,9 +351,9 @@ def with_terrace_doors(
 
 def _types_by_names(texts: Sequence[str]) -> tuple[str, ...]:
     """Return the types that the texts in a room give; labels of its wardrobes are ignored."""
-    told = [types for text in texts if _is_name(text) and (types := room_types(text))]
-    told = told or [types for text in texts if (types := room_types(text))]
-    rooms = [types for types in told if types != ("Closet",) or not _lived_in(told)]
+    text_types = [types for text in texts if _is_name(text) and (types := room_types(text))]
+    text_types = text_types or [types for text in texts if (types := room_types(text))]
+    rooms = [types for types in text_types if types != ("Closet",) or not _lived_in(text_types)]
     return tuple(dict.fromkeys(kind for types in rooms for kind in types))
 
 
@@ -363,18 +367,18 @@ def _name_of(lines: Sequence[TextLine]) -> str:
     Texts on appliances and wardrobes are left out. A word right above or below a name is added to
     it. A text that is written twice counts once.
     """
-    once: dict[str, TextLine] = {}
+    line_by_text: dict[str, TextLine] = {}
     for line in lines:
         if _is_name(line.text):
-            once.setdefault(line.text.casefold(), line)
-    names = list(once.values())
-    told = [line for line in names if room_types(line.text)]
-    if _lived_in([room_types(line.text) for line in told]):
-        told = [line for line in told if room_types(line.text) != ("Closet",)]
+            line_by_text.setdefault(line.text.casefold(), line)
+    names = list(line_by_text.values())
+    typed_lines = [line for line in names if room_types(line.text)]
+    if _lived_in([room_types(line.text) for line in typed_lines]):
+        typed_lines = [line for line in typed_lines if room_types(line.text) != ("Closet",)]
     name, last = "", None
     for line in names:
-        more = not room_types(line.text) and any(_stacked(line, one) for one in told)
-        if line not in told and not more:
+        more = not room_types(line.text) and any(_stacked(line, one) for one in typed_lines)
+        if line not in typed_lines and not more:
             continue
         if last is not None:
             name += " " if _stacked(last, line) else " / "

@@ -32,9 +32,9 @@ class PlanSegmenter:
         for view in range(views):
             # View 1 is turned by half and mirrored, so that two views already differ much.
             turns, mirrored = (0, 2, 1, 3, 2, 0, 3, 1)[view], view % 2 == 1
-            seen = np.rot90(image, turns)
-            seen = seen[:, ::-1] if mirrored else seen
-            values = self._seen(np.ascontiguousarray(seen))
+            view_image = np.rot90(image, turns)
+            view_image = view_image[:, ::-1] if mirrored else view_image
+            values = self._seen(np.ascontiguousarray(view_image))
             values = values[:, :, ::-1] if mirrored else values
             total += np.rot90(values, -turns, axes=(1, 2))
         return total / views

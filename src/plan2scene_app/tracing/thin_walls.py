@@ -39,14 +39,14 @@ def with_thin_walls(
     that. `ppm` is a guess: several scales near it are tried, and the one on which most sizes agree
     is taken.
     """
-    found = [
+    candidates = [
         parted
         for factor in SETTINGS.thin_scales
         if (parted := _parted_at(structure, image, names, sizes, factor * ppm)) is not None
     ]
-    if not found:
+    if not candidates:
         return structure, ppm
-    best = max(found, key=lambda parted: (parted.agree, parted.names))
+    best = max(candidates, key=lambda parted: (parted.agree, parted.names))
     return best.structure, best.ppm
 
 
@@ -66,9 +66,9 @@ def _parted_at(
     floor = (structure == ROOM) | inside | line
     widths: list[int] = []
     walls, doors = np.zeros(floor.shape, bool), np.zeros(floor.shape, bool)
-    seen = cv2.dilate((structure == WALL).astype(np.uint8), np.ones((7, 7), np.uint8)) > 0
+    wall_mask = cv2.dilate((structure == WALL).astype(np.uint8), np.ones((7, 7), np.uint8)) > 0
     for turned in (False, True):
-        drawn, walled = (ink.T, seen.T) if turned else (ink, seen)
+        drawn, walled = (ink.T, wall_mask.T) if turned else (ink, wall_mask)
         line, gap, wide = _lines(drawn, walled, ppm)
         widths += wide
         line = ndimage.binary_dilation(line, np.ones((3, 1)))
@@ -103,11 +103,16 @@ def _parted_at(
     for x, y, area in sizes:
         if 0 <= x < faces.shape[1] - 1 and 0 <= y < faces.shape[0] - 1:
             at.setdefault(int(faces[round(y), round(x)]), []).append(area)
-    told = [
-        float(np.sqrt(areas[face] / own[0])) for face, own in at.items() if face and len(own) == 1
+    printed_scales = [
+        float(np.sqrt(areas[face] / printed_areas[0]))
+        for face, printed_areas in at.items()
+        if face and len(printed_areas) == 1
     ]
     # A floor that is several unparted rooms gives too large a scale: take the scales that agree.
-    agree = [[one for one in told if abs(np.log(one / other)) < 0.06] for other in sorted(told)]
+    agree = [
+        [one for one in printed_scales if abs(np.log(one / other)) < 0.06]
+        for other in sorted(printed_scales)
+    ]
     best = max(agree, key=len, default=[])
     if len(best) >= 2:
         return _Parted(changed, float(np.mean(best)), len(best), parts)
@@ -128,15 +133,15 @@ def _without_furniture(faces: np.ndarray, kept: np.ndarray, added: np.ndarray) -
         if not number or boxes[number - 1] is None:
             continue
         box = tuple(slice(max(0, s.start - 8), s.stop + 8) for s in boxes[number - 1])
-        own, part = faces[box] == number, faces[box]
-        near = cv2.dilate(own.astype(np.uint8), np.ones((13, 13), np.uint8)) > 0
-        beside = np.bincount(part[near & ~own], minlength=len(kept)).astype(float)
+        furniture, part = faces[box] == number, faces[box]
+        near = cv2.dilate(furniture.astype(np.uint8), np.ones((13, 13), np.uint8)) > 0
+        beside = np.bincount(part[near & ~furniture], minlength=len(kept)).astype(float)
         beside[[0, number]] = 0
         if beside.max() == 0:
             continue
         other = int(np.argmax(beside / np.sqrt(np.maximum(sizes, 1))))
-        far = cv2.dilate((part == other).astype(np.uint8), np.ones((13, 13), np.uint8)) > 0
-        opened[box] &= ~(near & far)
+        near_other = cv2.dilate((part == other).astype(np.uint8), np.ones((13, 13), np.uint8)) > 0
+        opened[box] &= ~(near & near_other)
     return opened
 
 
@@ -180,8 +185,8 @@ def _lines(
     does not do for the edge of a bath.
     """
     length = max(9, round(SETTINGS.thin_line * ppm))
-    drawn = cv2.dilate(ink.astype(np.uint8), np.ones((3, 1), np.uint8))
-    lines = cv2.morphologyEx(drawn, cv2.MORPH_OPEN, np.ones((1, length), np.uint8)) > 0
+    thickened = cv2.dilate(ink.astype(np.uint8), np.ones((3, 1), np.uint8))
+    lines = cv2.morphologyEx(thickened, cv2.MORPH_OPEN, np.ones((1, length), np.uint8)) > 0
     lines &= ink
     places, count = ndimage.label(
         cv2.dilate(lines.astype(np.uint8), np.ones((3, 1), np.uint8)), np.ones((3, 3))
@@ -189,11 +194,11 @@ def _lines(
     boxes = ndimage.find_objects(places, count)
     ends = []
     for number, box in enumerate(boxes, start=1):
-        own = places[box] == number
-        if seen[box][own].mean() < SETTINGS.thin_seen:
-            lines[box] &= ~own
+        line_mask = places[box] == number
+        if seen[box][line_mask].mean() < SETTINGS.thin_seen:
+            lines[box] &= ~line_mask
             continue
-        rows = [box[0].start + float(np.nonzero(own[:, k])[0].mean()) for k in (0, -1)]
+        rows = [box[0].start + float(np.nonzero(line_mask[:, k])[0].mean()) for k in (0, -1)]
         ends.append((box[1].start, box[1].stop, rows[0], rows[1]))
     gaps = np.zeros(ink.shape, bool)
     widths: list[int] = []

@@ -175,13 +175,13 @@ def trace_picture(
         storeys = storeys_of(seen.owner, regions.rooms, probabilities, lines, regions.ppm)
     raised = {storey.drawing for storey in storeys if storey.floor > 0}
     upstairs = [room.number for room in rooms if room.drawing in raised]
-    drawn = frame.image, regions.wall_px
+    image_and_wall = frame.image, regions.wall_px
     garages = [room.number for room in rooms if is_garage(room.name)]
-    openings = with_swung_windows(openings, *drawn, upstairs)
-    openings = with_whole_windows(openings, polygons, *drawn, regions.ppm, garages)
+    openings = with_swung_windows(openings, *image_and_wall, upstairs)
+    openings = with_whole_windows(openings, polygons, *image_and_wall, regions.ppm, garages)
     open_air = {room.number for room in rooms if OPEN_AIR.intersection(room.types)}
     if drawn_solid(regions.structure, frame.image, regions.ppm):
-        openings = with_sliding_doors(openings, polygons, *drawn, regions.ppm, open_air)
+        openings = with_sliding_doors(openings, polygons, *image_and_wall, regions.ppm, open_air)
     openings = without_inner_windows(openings, rooms, SETTINGS.widest_door / metres)
     openings = with_garage_doors(openings, garages, SETTINGS.garage_door / metres)
     openings = without_rails(openings, polygons, open_air)
@@ -215,8 +215,8 @@ def _polygons(seen: _Seen) -> dict[int, Polygon]:
 
 def _openings(seen: _Seen, polygons: dict[int, Polygon]) -> list[TracedOpening]:
     """Return the openings between the rooms, and how sure they are."""
-    found = find_openings(seen.regions, polygons, seen.probabilities)
-    return with_swings(found, seen.frame.image, seen.regions.wall_px)
+    openings = find_openings(seen.regions, polygons, seen.probabilities)
+    return with_swings(openings, seen.frame.image, seen.regions.wall_px)
 
 
 def _drawings_of_rooms(seen: _Seen) -> dict[int, int]:
@@ -224,8 +224,8 @@ def _drawings_of_rooms(seen: _Seen) -> dict[int, int]:
     rooms = seen.regions.rooms
     most = int(seen.owner.max()) + 1
     votes = np.bincount((rooms * most + seen.owner).ravel(), minlength=(rooms.max() + 1) * most)
-    found = votes.reshape(-1, most).argmax(1)
-    return {number: int(found[number]) for number in range(1, seen.regions.count + 1)}
+    drawings = votes.reshape(-1, most).argmax(1)
+    return {number: int(drawings[number]) for number in range(1, seen.regions.count + 1)}
 
 
 @dataclass(frozen=True)
@@ -242,11 +242,11 @@ class _Seen:
 def _seen(image: np.ndarray, segmenter: PlanSegmenter, texts: Sequence[TextLine]) -> _Seen:
     """Straighten a picture and find its labels and regions, one drawing at a time."""
     numbers, count = find_drawings(image)
-    drawn = numbers
+    all_numbers = numbers
     looks = [_first_look(image, numbers, n, count, segmenter) for n in range(1, count + 1)]
     homes = [look for look in looks if shows_a_home(look.structure)]
     left_out = count - len(homes) if homes else 0
-    shown = [look.number for look in homes]
+    home_numbers = [look.number for look in homes]
     if len(homes) < 2:
         if left_out:
             image = _of_drawing(image, numbers, homes[0].number)
@@ -272,30 +272,34 @@ def _seen(image: np.ndarray, segmenter: PlanSegmenter, texts: Sequence[TextLine]
         outlines = [np.argwhere(numbers == look.number)[:, ::-1].astype(float) for look in homes]
     else:
         outlines = [outline_of(first.frame, first.structure)]
-    kept = drawn if count == 1 else np.where(np.isin(drawn, shown), drawn, 0)
+    kept = (
+        all_numbers if count == 1 else np.where(np.isin(all_numbers, home_numbers), all_numbers, 0)
+    )
     beyond = _named_beyond(np.concatenate(outlines), kept, texts)
     frame, places = straightened(image, outlines, rough_ppm, angle, beyond=beyond)
     owner = _owners(numbers, [look.number for look in homes], frame)
     probabilities = np.zeros((len(PLAN_LABELS), *owner.shape), np.float32)
     probabilities[OUTSIDE] = 1
     for look, place in zip(homes, places, strict=True):
-        own = owner[place] == look.number
-        part = _only(frame.image[place], own)
-        found = segmenter.probabilities(part, views=SETTINGS.views)
-        probabilities[:, *place][:, own] = found[:, own]
+        own_pixels = owner[place] == look.number
+        part = _only(frame.image[place], own_pixels)
+        part_probabilities = segmenter.probabilities(part, views=SETTINGS.views)
+        probabilities[:, *place][:, own_pixels] = part_probabilities[:, own_pixels]
     structure = structure_of(probabilities)
     ppm = first_scale(structure)
     lines = _in_frame(texts, frame)
     names = [line.middle for line in lines if room_types(line.text)]
     feet = sides_in_feet(line.text for line in lines)
-    told = [(*line.middle, area) for line in lines for area in told_area(line.text, feet=feet)]
+    room_areas = [
+        (*line.middle, area) for line in lines for area in told_area(line.text, feet=feet)
+    ]
     seen_walls = drawn_solid(structure, frame.image, ppm)
     if seen_walls:
         structure = with_drawn_walls(structure, frame.image, ppm)
         structure = without_standing_lines(structure, frame.image, ppm)
     divided = structure
     if not seen_walls or floor_count(structure, ppm) < SETTINGS.floors_a_name * len(names):
-        divided, ppm = with_thin_walls(structure, frame.image, names, told, ppm)
+        divided, ppm = with_thin_walls(structure, frame.image, names, room_areas, ppm)
     thin = divided is not structure
     divided = without_pockets(with_named_areas(divided, frame.image, names, ppm), ppm)
     if seen_walls:
@@ -322,13 +326,13 @@ def _named_beyond(outline: np.ndarray, drawn: np.ndarray, texts: Sequence[TextLi
     `outline` is (n, 2), `drawn` (h, w) int32 numbers the drawings.
     """
     low, high = outline.min(0), outline.max(0)
-    named = [np.array(line.middle) for line in texts if room_types(line.text)]
-    beyond = [place for place in named if (place < low).any() or (place > high).any()]
+    name_places = [np.array(line.middle) for line in texts if room_types(line.text)]
+    beyond = [place for place in name_places if (place < low).any() or (place > high).any()]
     corners = []
-    for found in ndimage.find_objects(drawn):
-        if found is None:
+    for extent in ndimage.find_objects(drawn):
+        if extent is None:
             continue
-        rows, columns = found
+        rows, columns = extent
         box = np.array([[columns.start, rows.start], [columns.stop, rows.stop]], float)
         if any((box[0] < place).all() and (place < box[1]).all() for place in beyond):
             corners.append(box)
@@ -383,12 +387,16 @@ def _owners(numbers: np.ndarray, kept: Sequence[int], frame: Frame) -> np.ndarra
     `numbers` are the drawings in the picture.
     """
     height, width = frame.image.shape[:2]
-    own = np.where(np.isin(numbers, kept), numbers, 0).astype(np.uint8)
-    seen = cv2.warpAffine(own, frame.matrix, (width, height), flags=cv2.INTER_NEAREST)
-    if not seen.any():
-        return np.full(seen.shape, kept[0], np.int32)
-    nearest = ndimage.distance_transform_edt(seen == 0, return_distances=False, return_indices=True)
-    return np.asarray(seen[tuple(nearest)], np.int32)
+    kept_numbers = np.where(np.isin(numbers, kept), numbers, 0).astype(np.uint8)
+    frame_numbers = cv2.warpAffine(
+        kept_numbers, frame.matrix, (width, height), flags=cv2.INTER_NEAREST
+    )
+    if not frame_numbers.any():
+        return np.full(frame_numbers.shape, kept[0], np.int32)
+    nearest = ndimage.distance_transform_edt(
+        frame_numbers == 0, return_distances=False, return_indices=True
+    )
+    return np.asarray(frame_numbers[tuple(nearest)], np.int32)
 
 
 def _in_frame(lines: Sequence[TextLine], frame: Frame) -> list[TextLine]:
@@ -653,8 +661,8 @@ def overlay(plan: TracedPlan) -> np.ndarray:
     tint = image.copy()
 
     def pixels(points: Any) -> np.ndarray:
-        there = plan.frame.to_picture(np.asarray(points, float))
-        return np.round(there * 8).astype(np.int32)[:, None]
+        picture_points = plan.frame.to_picture(np.asarray(points, float))
+        return np.round(picture_points * 8).astype(np.int32)[:, None]
 
     thick = max(1, round(max(image.shape[:2]) / 600))
     for number, room in enumerate(plan.rooms):

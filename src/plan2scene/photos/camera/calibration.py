@@ -46,13 +46,13 @@ def estimate_camera(
     lines = find_segments(image) if segments is None else segments
     columns = lines.size[1]
     weighted = weighted_segments(lines.camera, lines.size, labels)
-    known = None if exif is None or exif.focal_px is None else exif.focal_px * columns / width
-    prior = columns / 2 / np.tan(np.radians(fov_deg) / 2) if known is None else known
+    exif_focal = None if exif is None or exif.focal_px is None else exif.focal_px * columns / width
+    prior = columns / 2 / np.tan(np.radians(fov_deg) / 2) if exif_focal is None else exif_focal
     frame = fit_manhattan(weighted, columns, prior)
-    pose = _decide(frame, weighted, prior, known is not None)
-    if frame is not None and known is not None and exif is not None and not exif.cropped:
-        held = fit_manhattan(weighted, columns, known, fixed=True)
-        pose = _with_exif(pose, held, known, told=exif.told)
+    pose = _decide(frame, weighted, prior, exif_focal is not None)
+    if frame is not None and exif_focal is not None and exif is not None and not exif.cropped:
+        exif_frame = fit_manhattan(weighted, columns, exif_focal, fixed=True)
+        pose = _with_exif(pose, exif_frame, exif_focal, told=exif.told)
     return Camera(
         width=width,
         height=height,

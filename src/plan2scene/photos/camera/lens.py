@@ -57,29 +57,35 @@ def with_shared_lenses(
     so that portrait photos can be compared. Where the sure photos agree on no lens, their median
     replaces only the configured field of view.
     """
-    known = {
+    sure_focals = {
         name: camera.focal_px / max(camera.width, camera.height)
         for name, camera in cameras.items()
         if camera.focal_source == "exif" or camera.confidence >= LENS.sure
     }
-    made = dict(cameras)
-    for name in sorted(cameras.keys() - known.keys()):
+    shared_cameras = dict(cameras)
+    for name in sorted(cameras.keys() - sure_focals.keys()):
         camera, side = cameras[name], max(cameras[name].width, cameras[name].height)
-        others = [known[other] for other in sorted(known) if models[other] == models[name]]
-        own = camera.focal_px / side
-        lenses = sorted(lenses_of(others), key=lambda lens: abs(np.log(lens / own)))
+        model_focals = [
+            sure_focals[other] for other in sorted(sure_focals) if models[other] == models[name]
+        ]
+        own_focal = camera.focal_px / side
+        lenses = sorted(lenses_of(model_focals), key=lambda lens: abs(np.log(lens / own_focal)))
         if (
             camera.focal_source == "vanishing_points"
             and camera.confidence >= CAMERA.high_confidence
         ):
-            lenses = [f for f in lenses if max(f / own, own / f) <= CAMERA.exif_tolerance]
+            lenses = [
+                f for f in lenses if max(f / own_focal, own_focal / f) <= CAMERA.exif_tolerance
+            ]
         if lenses:
             tries = [refit(name, ExifFocal(lens * side)) for lens in lenses]
             best = max(tries, key=lambda found: round(found.confidence, 2))
-        elif len(others) >= LENS.least and camera.focal_source == "config":
-            best = refit(name, ExifFocal(float(np.median(others)) * side, cropped=True))
+        elif len(model_focals) >= LENS.least and camera.focal_source == "config":
+            best = refit(name, ExifFocal(float(np.median(model_focals)) * side, cropped=True))
         else:
             continue
         # Its focal length is the shared one, unless confident lines of the photo replaced it.
-        made[name] = replace(best, focal_source="shared") if best.focal_source == "exif" else best
-    return made
+        shared_cameras[name] = (
+            replace(best, focal_source="shared") if best.focal_source == "exif" else best
+        )
+    return shared_cameras

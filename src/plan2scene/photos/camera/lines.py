@@ -147,14 +147,14 @@ def find_segments(image: np.ndarray) -> PhotoSegments:
     """Return the line segments of a photo (h, w, 3) uint8 sRGB."""
     height, width = image.shape[:2]
     grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
-    every = reduced = detect_segments(grey)
+    full_segments = reduced = detect_segments(grey)
     scale = min(1.0, CAMERA.working_side_px / max(height, width))
     if scale < 1.0:
         size = (max(1, round(width * scale)), max(1, round(height * scale)))
         grey = cv2.resize(grey, size, interpolation=cv2.INTER_AREA)
         reduced = detect_segments(grey)
     camera = reduced[_lengths(reduced) >= CAMERA.min_length_px][: CAMERA.max_segments]
-    walls = every[_lengths(every) >= width / 25]
+    walls = full_segments[_lengths(full_segments) >= width / 25]
     return PhotoSegments((grey.shape[0], grey.shape[1]), camera, walls, width / grey.shape[1])
 
 
@@ -365,10 +365,10 @@ def _label_weight(
         points = (start + side * across)[None] + steps[..., None] * (end - start)[None]
         x = np.clip(points[..., 0] / columns * labels.shape[1], 0, labels.shape[1] - 1)
         y = np.clip(points[..., 1] / rows * labels.shape[0], 0, labels.shape[0] - 1)
-        seen = labels[y.astype(int), x.astype(int)]
-        sides.append(seen)
-        other &= np.isin(seen, (OTHER, IGNORE)).mean(axis=0) > 0.5
-        floor &= (seen == FLOOR).mean(axis=0) > 0.5
+        side_labels = labels[y.astype(int), x.astype(int)]
+        sides.append(side_labels)
+        other &= np.isin(side_labels, (OTHER, IGNORE)).mean(axis=0) > 0.5
+        floor &= (side_labels == FLOOR).mean(axis=0) > 0.5
     border = (sides[0] != sides[1]) & (np.isin(sides, (FLOOR, WALL, CEILING)).all(axis=0))
     weight = np.where(other | floor, 0.5, 1.0)
     return np.where(border.mean(axis=0) > 0.5, CAMERA.border_weight, weight)

@@ -178,19 +178,19 @@ def fit_manhattan(
     low, high = (width / 2 / np.tan(np.radians(fov) / 2) for fov in CAMERA.fov_range_deg[::-1])
     grid = np.geomspace(min(low, prior), max(high, prior), CAMERA.n_focal)
     guesses = first_guesses(segments, width, np.array([prior]) if fixed else grid, prior)
-    every = sorted((guess for group in guesses for guess in group), key=lambda g: -g.score)
+    ranked_guesses = sorted((guess for group in guesses for guess in group), key=lambda g: -g.score)
     if fixed:
-        held, free = every[: CAMERA.n_free], []
+        fixed_guesses, free = ranked_guesses[: CAMERA.n_free], []
     else:
-        held, free = [group[0] for group in guesses], every[: CAMERA.n_free]
-    axes, focals = zip(*((guess.axes, guess.focal) for guess in held + free), strict=True)
+        fixed_guesses, free = [group[0] for group in guesses], ranked_guesses[: CAMERA.n_free]
+    axes, focals = zip(*((guess.axes, guess.focal) for guess in fixed_guesses + free), strict=True)
     state = _State(np.stack(axes), np.log(focals), np.zeros(len(axes)))
     moves = np.ones((len(state.bend), N_PARAMETERS))
-    moves[: len(held), 3] = 0.0
+    moves[: len(fixed_guesses), 3] = 0.0
     state = _refine(segments, state, prior, moves)
     cost = _cost(segments, state, prior)
     best = int(np.argmin(cost))
-    if not fixed and best < len(held):
+    if not fixed and best < len(fixed_guesses):
         again = _refine(segments, state.take(best), prior, np.ones((1, N_PARAMETERS)))
         state = state.joined(again)
         cost = np.concatenate([cost, _cost(segments, again, prior)])
@@ -230,8 +230,8 @@ def _scaled(
         distance = np.abs(off)
         distance[..., 1] += segments.off_vertical
         nearest = np.argmin(distance, axis=-1)
-        own = np.take_along_axis(off, nearest[..., None], axis=-1)[..., 0]
-        return own / segments.noise, nearest
+        nearest_residuals = np.take_along_axis(off, nearest[..., None], axis=-1)[..., 0]
+        return nearest_residuals / segments.noise, nearest
     axis = state.axes.transpose(0, 2, 1)[np.arange(len(nearest))[:, None], nearest]
     off = residuals(normal[..., None, :], middle[..., None, :], axis[..., None])[..., 0, 0]
     return off / segments.noise, nearest
@@ -269,7 +269,7 @@ def _refine(segments: Segments, state: _State, prior: float, moves: np.ndarray) 
 
     `moves` (k, 5) is 1 for those parameters, 0 for the held ones.
     """
-    held = np.eye(N_PARAMETERS)[None] * (1.0 - moves + 1e-6)[:, None]
+    damping = np.eye(N_PARAMETERS)[None] * (1.0 - moves + 1e-6)[:, None]
     for width in CAMERA.reweighting:
         rays = _rays(segments, state)
         scaled, nearest = _scaled(segments, state, rays=rays)
@@ -282,7 +282,7 @@ def _refine(segments: Segments, state: _State, prior: float, moves: np.ndarray) 
         weighted = slope * trust[..., None]
         weighted_belief = belief_slope * belief[..., None]
         normal = weighted.transpose(0, 2, 1) @ slope
-        normal += weighted_belief.transpose(0, 2, 1) @ belief_slope + held
+        normal += weighted_belief.transpose(0, 2, 1) @ belief_slope + damping
         right = np.einsum("ksi,ks->ki", weighted, scaled)
         right += np.einsum("ksi,ks->ki", weighted_belief, believed)
         step = -np.linalg.solve(normal, right[..., None])[..., 0]

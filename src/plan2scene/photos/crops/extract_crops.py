@@ -138,10 +138,10 @@ def crops_of_house(
     The result does not depend on the number of `threads`.
     """
     masks_dir = Path(masks_dir)
-    known = read_stage_json(masks_dir / "cameras.json", "cameras")
+    camera_entries = read_stage_json(masks_dir / "cameras.json", "cameras")
     labelled = []
     for photo in sorted(rooms_of_photo):
-        if photo in known:
+        if photo in camera_entries:
             labelled.append(photo)
         else:
             _log.info("photo %s of house %s has no mask: skipped", photo, house.id)
@@ -149,7 +149,7 @@ def crops_of_house(
         _crops_of_photo,
         house=house,
         masks_dir=masks_dir,
-        known=known,
+        known=camera_entries,
         segments=cache(partial(read_segments, masks_dir / SEGMENTS, "walls")),
         poses={} if cameras is None else read_poses(cameras, house),
         shapes=room_shapes(house),
@@ -161,11 +161,11 @@ def crops_of_house(
     )
     surfaces = [surface for item in photo_crops for surface in item.surfaces]
     lights = estimate_light(surfaces)
-    others = of_other_rooms([floor for item in photo_crops for floor in item.floors], lights)
+    foreign_parts = of_other_rooms([floor for item in photo_crops for floor in item.floors], lights)
     for k, photo in enumerate(labelled):
-        if photo in others:
+        if photo in foreign_parts:
             rooms = rooms_of_photo[photo]
-            photo_crops[k] = one(photo, photos[photo], rooms, left_out=others[photo])
+            photo_crops[k] = one(photo, photos[photo], rooms, left_out=foreign_parts[photo])
     candidates = [candidate for item in photo_crops for candidate in item.candidates]
     return HouseCrops(
         mark_outvoted(candidates, lights) if settings.filter else candidates,
@@ -200,9 +200,9 @@ def _crops_of_photo(
     if planes:
         camera = poses[photo].camera
     else:
-        shown = [house.room(room) for room in rooms]
+        shown_rooms = [house.room(room) for room in rooms]
         planes = planes_of_photo(
-            labels, camera, segments().get(photo), shown, settings.camera_height_m
+            labels, camera, segments().get(photo), shown_rooms, settings.camera_height_m
         )
     parts = [part for item in planes for part in floor_parts(item, image)]
     floors = [part for part in parts if part.plane.surface == "floor"]
@@ -211,8 +211,8 @@ def _crops_of_photo(
     edges = strong_edges(image)
     inner = [inner_mask(item.plane.mask, edges) for item in planes]
     rng = partial(generator, seed, "crops", house.id, photo)
-    drawn = candidates_of_photo(image, camera, planes, settings, rng, inner)
-    candidates = [replace(candidate, photo=photo) for candidate in drawn]
+    drawn_candidates = candidates_of_photo(image, camera, planes, settings, rng, inner)
+    candidates = [replace(candidate, photo=photo) for candidate in drawn_candidates]
     _log.info("%s: %d candidates, camera %s", photo, len(candidates), camera.focal_source)
     colours = colours_of_photo(image, camera, planes, photo, inner)
     inner = [inner_mask(part.plane.mask, edges) for part in floors]

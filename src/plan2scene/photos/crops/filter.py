@@ -342,15 +342,15 @@ def mark_outvoted(
             for group in members
         ]
         weights = np.array([len(group) for group in members], dtype=float)
-        found = {Reason.UNLIKE: outvoted(np.stack(colours), weights)}
+        flags_by_reason = {Reason.UNLIKE: outvoted(np.stack(colours), weights)}
         limits = {"wall": FILTER.restless_wall, "floor": FILTER.restless_floor}.get(surface)
         if limits is not None:
             looks = [[candidates[n].crop.image for n in g[: FILTER.looked_at]] for g in members]
-            found[Reason.CLUTTER] = restless(
+            flags_by_reason[Reason.CLUTTER] = restless(
                 np.array([np.median([unrest(image) for image in images]) for images in looks]),
                 *limits,
             )
-        for reason, these in found.items():
+        for reason, these in flags_by_reason.items():
             for number in (
                 n for group, is_so in zip(members, these, strict=True) if is_so for n in group
             ):

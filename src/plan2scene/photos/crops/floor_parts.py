@@ -44,20 +44,20 @@ def of_other_rooms(
     floors = [seen for seen in colours if seen.surface == "floor" and seen.own]
     linear = [usual_colour([f.colours], [1.0]) / lights.get(f.photo, np.ones(3)) for f in floors]
     labs = rgb_to_lab(linear_to_srgb(np.minimum(np.reshape(linear, (-1, 3)), 1.0)))
-    found: dict[str, list[int]] = {}
+    parts_of_photo: dict[str, list[int]] = {}
     agreed, against = set(), []
     for floor, lab in zip(floors, labs, strict=True):
         of_room = [f.photo != floor.photo and bool({*f.rooms} & {*floor.rooms}) for f in floors]
-        others = labs[np.array(of_room)]
-        if not len(others):
+        other_labs = labs[np.array(of_room)]
+        if not len(other_labs):
             continue
-        away = np.linalg.norm((others - lab) * np.array([0.5, 1.0, 1.0]), axis=1).min()
-        alike = np.mean(is_wood(others) == is_wood(lab))
-        if away <= FILTER.group_limit and alike > 0.5:
+        away = np.linalg.norm((other_labs - lab) * np.array([0.5, 1.0, 1.0]), axis=1).min()
+        same_wood_share = np.mean(is_wood(other_labs) == is_wood(lab))
+        if away <= FILTER.group_limit and same_wood_share > 0.5:
             agreed.add((floor.photo, floor.rooms))
-        elif away > FILTER.group_limit and alike <= 1.0 - FILTER.majority:
+        elif away > FILTER.group_limit and same_wood_share <= 1.0 - FILTER.majority:
             against.append(floor)
     for floor in against:
         if (floor.photo, floor.rooms) in agreed:
-            found.setdefault(floor.photo, []).append(floor.plane)
-    return found
+            parts_of_photo.setdefault(floor.photo, []).append(floor.plane)
+    return parts_of_photo

@@ -103,8 +103,8 @@ class Attention(nn.Module):
         n, c, h, w = x.shape
         parts = self.ask(self.norm(x)).reshape(n, 3, self.heads, self.HEAD, h * w)
         query, key, value = (parts[:, k].transpose(2, 3) for k in range(3))
-        seen = F.scaled_dot_product_attention(query, key, value)
-        x = x + self.mix(seen.transpose(2, 3).reshape(n, c, h, w))
+        attended = F.scaled_dot_product_attention(query, key, value)
+        x = x + self.mix(attended.transpose(2, 3).reshape(n, c, h, w))
         y: torch.Tensor = x + self.narrow(F.hardswish(self.wide(self.norm_wide(x))))
         return y
 
@@ -284,14 +284,14 @@ class ImagenetSegmentationNet(SegmentationNet):
         self, x: torch.Tensor, elevation: torch.Tensor | None
     ) -> list[torch.Tensor]:
         with torch.no_grad():
-            own = super()._maps_of_encoder(x, elevation)
+            own_maps = super()._maps_of_encoder(x, elevation)
             other = imagenet_maps(self._imagenet[0].to(x.device), x)
         chance = torch.full((1, 1, 1, 1), 0.5, device=x.device)
         if self.training:
             chance = torch.rand(len(x), 1, 1, 1, device=x.device)
-        mine, theirs = chance >= self.alone[0], chance < 1.0 - self.alone[1]
+        uses_own, uses_imagenet = chance >= self.alone[0], chance < 1.0 - self.alone[1]
         return [
-            (own[k] * mine if k >= 3 else own[k]) + adapter(other[k]) * theirs
+            (own_maps[k] * uses_own if k >= 3 else own_maps[k]) + adapter(other[k]) * uses_imagenet
             for k, adapter in enumerate(self.adapters)
         ]
 

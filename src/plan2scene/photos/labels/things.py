@@ -98,12 +98,12 @@ class ThingKinds:
 
     def seen(self, image: np.ndarray) -> np.ndarray:
         """Return the probabilities (t,) of :data:`THINGS` in a (h, w, 3) uint8 sRGB photo."""
-        every = []
+        side_quantiles = []
         for side in SIDES:
             classes = self._classes(image, side)
             things = np.stack([classes[:, list(names)].sum(axis=1) for names, _ in THINGS])
-            every.append(np.quantile(things, SHARE, axis=1))
-        return np.asarray(np.mean(every, axis=0))
+            side_quantiles.append(np.quantile(things, SHARE, axis=1))
+        return np.asarray(np.mean(side_quantiles, axis=0))
 
     def look(self, image: np.ndarray) -> np.ndarray:
         """Return the mean features (1280,) float32 of a (h, w, 3) uint8 sRGB photo."""

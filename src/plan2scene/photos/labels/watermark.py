@@ -78,9 +78,9 @@ def shared_mark(photos: Sequence[np.ndarray]) -> np.ndarray:
         return nothing
     photos = photos[:: -(-len(photos) // WATERMARK.looked_at)]
     slopes = np.stack([_slope(photo) for photo in photos])
-    usual = np.median(slopes, axis=0)
-    steep = np.hypot(*usual)
-    along = (slopes * usual).sum(axis=1)
+    median_slope = np.median(slopes, axis=0)
+    steep = np.hypot(*median_slope)
+    along = (slopes * median_slope).sum(axis=1)
     agree = along > WATERMARK.direction * np.hypot(slopes[:, 0], slopes[:, 1]) * steep
     agree &= along > WATERMARK.strength * steep**2
     least = max(

@@ -69,9 +69,11 @@ def ceiling_height(
     :func:`.locate_photos.locate_shots`.
     """
     rooms = {name: shot.rooms for name, shot in shots.items() if not shot.camera.fallback}
-    every = spots_of({name: own for name, own in rooms.items() if own}, same_spot or {})
-    asked = np.unique(np.linspace(0, len(every) - 1, min(CEILINGS.spots, len(every))).round())
-    spots = [every[int(k)] for k in asked]
+    all_spots = spots_of({name: own for name, own in rooms.items() if own}, same_spot or {})
+    asked = np.unique(
+        np.linspace(0, len(all_spots) - 1, min(CEILINGS.spots, len(all_spots))).round()
+    )
+    spots = [all_spots[int(k)] for k in asked]
     if not spots:
         return None
     table = log_table(openings=labelled_openings(shots.values()) != "nothing")
@@ -102,16 +104,17 @@ def ceiling_height(
     first = scores(CEILINGS.mean_m)
     left = [tuple(sorted(found, key=lambda r: -found[r])[: CEILINGS.rooms]) for found in first]
     best = CEILINGS.mean_m
-    known = {best: log_probability(first, best)}
+    log_by_height = {best: log_probability(first, best)}
     for step in CEILINGS.steps_m:
         while beside := [
             height
             for height in (round(best - step, 2), round(best + step, 2))
-            if height not in known and CEILINGS.limits_m[0] <= height <= CEILINGS.limits_m[1]
+            if height not in log_by_height
+            and CEILINGS.limits_m[0] <= height <= CEILINGS.limits_m[1]
         ]:
-            known |= {height: log_probability(scores(height), height) for height in beside}
-            best = max(known, key=lambda height: known[height])
-    low, middle, high = (known.get(round(best + k * step, 2), -np.inf) for k in (-1, 0, 1))
+            log_by_height |= {height: log_probability(scores(height), height) for height in beside}
+            best = max(log_by_height, key=lambda height: log_by_height[height])
+    low, middle, high = (log_by_height.get(round(best + k * step, 2), -np.inf) for k in (-1, 0, 1))
     bend = low - 2 * middle + high
     return round(best + (step * (low - high) / (2 * bend) if -np.inf < bend < 0 else 0.0), 2)
 
@@ -139,5 +142,5 @@ def measure_ceilings(
     house = replace(with_ceilings(house, height), heights=FROM_PHOTOS)
     if not guesses_windows(house):
         return house
-    found = locate_shots(house, read.shots, read.spots, read.turns, read.alike, threads)
-    return with_seen_windows(house, read.shots, found.poses)
+    located = locate_shots(house, read.shots, read.spots, read.turns, read.alike, threads)
+    return with_seen_windows(house, read.shots, located.poses)

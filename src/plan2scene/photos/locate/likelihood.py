@@ -45,10 +45,10 @@ def log_table(*, openings: bool) -> np.ndarray:
     for kind in HOLES:
         shut, share = np.array(LOCATE.hole_rows[kind]), LOCATE.seen_through[kind]
         for behind in BEHIND:
-            seen = np.array(LOCATE.hole_rows.get(behind, shut))
+            behind_row = np.array(LOCATE.hole_rows.get(behind, shut))
             if behind in ROOM:
-                seen = table[ROOM[behind], :OPENING]
-            table[hole_class(kind, behind), :OPENING] = (1 - share) * shut + share * seen
+                behind_row = table[ROOM[behind], :OPENING]
+            table[hole_class(kind, behind), :OPENING] = (1 - share) * shut + share * behind_row
     if not openings:
         hidden = [OTHER, DOOR, WINDOW]
         table[:, hidden] = table[:, hidden].sum(axis=1, keepdims=True)
@@ -231,11 +231,11 @@ def _through(
     far_foot = np.clip(profile.row(-height / beyond), bottom, top)
     far_head = np.clip(profile.row((above - height) / beyond), far_foot, top)
     parts = ((bottom, far_foot), (far_foot, far_head), (far_head, top))
-    seen = [
+    part_logs = [
         profile.between(hole_class(hole.kind, behind), index, low, high)
         for behind, (low, high) in zip(BEHIND, parts, strict=False)
     ]
-    total = np.sum(seen, axis=0)
+    total = np.sum(part_logs, axis=0)
     holes = shapes[hole.room_behind].holes if hole.room_behind else ()
     for number, other in enumerate(holes):
         at = np.flatnonzero(sight.beyond_hole == number)
@@ -247,12 +247,12 @@ def _through(
             np.clip(profile.row((up - height) / beyond[at]), far_foot[at], far_head[at])
             for up in ends
         )
-        there, bare = (
+        opening_log, wall_log = (
             profile.between(hole_class(hole.kind, kind), index[at], low, high)
             for kind in ("window" if undrawn else other.kind, "wall")
         )
         # A door leaf often looks like a wall, and the door may be open: it counts only as a gain.
         sure = other.kind not in ("door", UNDRAWN)
-        total[at] += there - bare if sure else np.maximum(there - bare, 0.0)
+        total[at] += opening_log - wall_log if sure else np.maximum(opening_log - wall_log, 0.0)
     opened = np.where(known, total - wall, shut)
     return [opened] if hole.kind == "passage" else [shut, opened]

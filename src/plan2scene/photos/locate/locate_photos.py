@@ -133,9 +133,9 @@ def locate_shots(
     tied = {**(same_spot or {}), **(same_things or {})}
     rooms = _rooms(house, shots, scores, tied, alike or {})
     likely = {name: likely_room(house, every) for name, every in rooms.items()}
-    told = {room for name in framed if name not in likely for room in shots[name].rooms}
-    used = used_photos(likely, told)
-    stands = {
+    listed_rooms = {room for name in framed if name not in likely for room in shots[name].rooms}
+    used = used_photos(likely, listed_rooms)
+    rooms_to_search = {
         name: shots[name].rooms if name not in likely else (likely[name].room_id,)
         for name in framed
         if name not in likely or name in used
@@ -145,7 +145,7 @@ def locate_shots(
         found = searches(spot, LOCATE.grid)
         return found, _best(found, HeightPrior())
 
-    spots = spots_of(stands, same_spot or {})
+    spots = spots_of(rooms_to_search, same_spot or {})
     searched = list(each(search, spots, threads))
     hypotheses = with_common_headings(spots, [poses for _, poses in searched], tied)
     prior = shared_height(hypotheses)
@@ -181,8 +181,8 @@ def _rooms(
     }
     if all(item.told for item in evidence.values()):
         return {}
-    every = room_probabilities(house, evidence, tied, alike)
-    return {name: rooms for name, rooms in every.items() if not evidence[name].told}
+    probabilities = room_probabilities(house, evidence, tied, alike)
+    return {name: rooms for name, rooms in probabilities.items() if not evidence[name].told}
 
 
 def labelled_openings(shots: Iterable[Shot]) -> str:
@@ -337,10 +337,12 @@ def write_photo_rooms(
     `table` is a second output: a photo table of these rooms and of the photos without a room, with
     the probability of the room and of its kind, the source of the evidence, and the guesses.
     """
-    known = {} if cameras is None else read_stage_json(cameras, "cameras", house=house)
-    found = {name: entry["rooms"] for name, entry in known.items() if "rooms" in entry}
+    camera_entries = {} if cameras is None else read_stage_json(cameras, "cameras", house=house)
+    probabilities = {
+        name: entry["rooms"] for name, entry in camera_entries.items() if "rooms" in entry
+    }
     likely = {
-        photo: likely_room(house, found.get(photo, {NOWHERE: 1.0}))
+        photo: likely_room(house, probabilities.get(photo, {NOWHERE: 1.0}))
         for photo, named in rooms_of_photo.items()
         if not named
     }
@@ -350,7 +352,9 @@ def write_photo_rooms(
         for photo, named in rooms_of_photo.items()
     }
     left_out = sorted(
-        photo for photo, named in rooms.items() if not named and (cameras is None or photo in known)
+        photo
+        for photo, named in rooms.items()
+        if not named and (cameras is None or photo in camera_entries)
     )
     if left_out:
         expected = "a room_id in the photo table where a photo's place in the plan is not clear"
@@ -360,10 +364,10 @@ def write_photo_rooms(
     for photo, named in rooms.items():
         if photo in likely:
             room, sure, of_kind = likely[photo]
-            evidence = " ".join(known.get(photo, {}).get("evidence", []))
+            evidence = " ".join(camera_entries.get(photo, {}).get("evidence", []))
             guess = room if sure < WHICH.least else ""
-            told = [f"{sure:.2f}", f"{of_kind:.2f}"] if room else ["", ""]
-            rows.append([room, photo, *told, evidence, guess])
+            probability_cells = [f"{sure:.2f}", f"{of_kind:.2f}"] if room else ["", ""]
+            rows.append([room, photo, *probability_cells, evidence, guess])
         else:
             rows += [[room, photo, "", "", "", ""] for room in named]
     header = ["room_id", "photo", "probability", "of_kind", "evidence", "guess"]

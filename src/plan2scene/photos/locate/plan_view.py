@@ -207,12 +207,12 @@ def _holes(house: House, shape: RoomShape, behind: Mapping[tuple[str, str], str]
     """
     holes: list[Hole] = []
     named: set[str] = set()
-    own = [wall for wall in house.walls if shape.room_id in wall.room_ids]
-    for wall in [*own, *(wall for wall in house.walls if wall not in own)]:
-        mine = shape.room_id in wall.room_ids
+    own_walls = [wall for wall in house.walls if shape.room_id in wall.room_ids]
+    for wall in [*own_walls, *(wall for wall in house.walls if wall not in own_walls)]:
+        is_own_wall = shape.room_id in wall.room_ids
         for opening in wall.openings:
             joins = (shape.room_id, opening.id) in behind
-            if opening.guessed or opening.id in named or not (mine or joins):
+            if opening.guessed or opening.id in named or not (is_own_wall or joins):
                 continue
             hole = _placed(shape, wall, opening, behind.get((shape.room_id, opening.id)))
             if hole is not None:

@@ -100,25 +100,25 @@ class RoomSearch:
         """
         inner = self._polygon.buffer(-LOCATE.least_clearance_m)
         highest = self._shapes[self.room_id].height - 0.2
-        here = np.array([self._grid[point, 0], self._heights[level], self._grid[point, 1]])
+        eye_position = np.array([self._grid[point, 0], self._heights[level], self._grid[point, 1]])
         step, best = LOCATE.first_step_m, -np.inf
         fine = [view.fine for view in self._views]
         while step > LOCATE.last_step_m:
-            eyes = here[[0, 2]] + step * _AROUND
+            eyes = eye_position[[0, 2]] + step * _AROUND
             kept = shapely.contains_xy(inner, eyes[:, 0], eyes[:, 1])
             kept[0] = True
             eyes = eyes[kept]
-            heights = np.clip(here[1] + step * np.array([0.0, -1.0, 1.0]), 0.4, highest)
+            heights = np.clip(eye_position[1] + step * np.array([0.0, -1.0, 1.0]), 0.4, highest)
             values = self._scores(fine, turn, eyes, heights) + prior.log(heights)
             row, column = np.unravel_index(int(np.argmax(values)), values.shape)
             if values[row, column] <= best + 1e-9:
                 step /= 2
                 continue
             best = float(values[row, column])
-            here = np.array([eyes[row, 0], heights[column], eyes[row, 1]])
+            eye_position = np.array([eyes[row, 0], heights[column], eyes[row, 1]])
             if row == 0 and column == 0:
                 step /= 2
-        x, y, z = here.tolist()
+        x, y, z = eye_position.tolist()
         return Hypothesis(self.room_id, turn, (x, y, z), best)
 
     def _scores(

@@ -63,13 +63,13 @@ def seen_doors(
         opened.add(name)
         yield name, leaf
     for name, places in holes.items():
-        found = labels[tuple(places.T)]
+        place_labels = labels[tuple(places.T)]
         likely = doors[tuple((places * doors.shape / labels.shape).astype(int).T)]
-        other = ~np.isin(found, (FLOOR, WALL, CEILING))
+        other = ~np.isin(place_labels, (FLOOR, WALL, CEILING))
         if (
             name not in opened
             and other.mean() >= DOORS.least_other
-            and (found == FLOOR).mean() <= DOORS.most_floor
+            and (place_labels == FLOOR).mean() <= DOORS.most_floor
             and likely.mean() >= DOORS.least_door
         ):
             # The door probability is lower off the leaf: behind an open door, on things in front.

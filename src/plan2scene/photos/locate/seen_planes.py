@@ -52,18 +52,20 @@ def seen_planes(
         else:
             owners = _flat_owners(surface, pose, shapes, sight, slope)
         planes = []
-        for room_id, bare, mine in owners:
-            if np.count_nonzero(mine) < PLANES.min_share * labels.size:
+        for room_id, bare, room_pixels in owners:
+            if np.count_nonzero(room_pixels) < PLANES.min_share * labels.size:
                 continue  # only specks; `without_specks` would be slow
             mask = np.zeros(labels.shape, bool)
-            mask[rows[mine], columns[mine]] = True
+            mask[rows[room_pixels], columns[room_pixels]] = True
             mask = without_specks(mask)
             if mask.any():
                 own, walls = room_id == pose.room_id, set[str]()
                 if own and surface == "wall":
-                    walls = {shapes[room_id].walls[edge] for edge in np.unique(sight.edge[mine])}
-                known = tuple(sorted(walls - {""}))
-                planes.append(PhotoPlane((room_id,), replace(bare, mask=mask), own, known))
+                    walls = {
+                        shapes[room_id].walls[edge] for edge in np.unique(sight.edge[room_pixels])
+                    }
+                wall_ids = tuple(sorted(walls - {""}))
+                planes.append(PhotoPlane((room_id,), replace(bare, mask=mask), own, wall_ids))
         planes.sort(key=lambda item: (not item.own, -int(item.plane.mask.sum())))
         planes_of_photo += [
             replace(item, plane=replace(item.plane, index=index))
@@ -81,9 +83,9 @@ def shows_its_room(labels: np.ndarray, pose: Pose, shapes: Mapping[str, RoomShap
     """
     size = labels.shape[0] // COARSE, labels.shape[1] // COARSE
     small = cv2.resize(labels, size[::-1], interpolation=cv2.INTER_NEAREST)
-    found = seen_planes(small, replace(pose, camera=pose.camera.resized(size)), shapes)
-    sizes = np.array([item.plane.mask.sum() for item in found])
-    own = np.array([item.own for item in found], dtype=bool)
+    photo_planes = seen_planes(small, replace(pose, camera=pose.camera.resized(size)), shapes)
+    sizes = np.array([item.plane.mask.sum() for item in photo_planes])
+    own = np.array([item.own for item in photo_planes], dtype=bool)
     return bool(sizes[own].sum() >= LOCATE.min_own * sizes.sum())
 
 
@@ -105,12 +107,14 @@ def _flat_owners(
         meets = slope * rise > 1e-9
         away = np.where(meets, rise / np.where(meets, slope, 1.0), np.inf)
         if room_id == pose.room_id:
-            mine = away < np.where(open_ == "", sight.reach + slack, sight.reach - LOCATE.off_m)
+            room_pixels = away < np.where(
+                open_ == "", sight.reach + slack, sight.reach - LOCATE.off_m
+            )
         else:
-            mine = (open_ == room_id) & below_top & (away > sight.reach + LOCATE.off_m)
-            mine &= away < sight.beyond * (1 + LOCATE.off_share)
+            room_pixels = (open_ == room_id) & below_top & (away > sight.reach + LOCATE.off_m)
+            room_pixels &= away < sight.beyond * (1 + LOCATE.off_share)
         up = 1.0 if surface == "floor" else -1.0
-        yield room_id, _plane(surface, (0.0, up, 0.0), up * rise, pose), mine
+        yield room_id, _plane(surface, (0.0, up, 0.0), up * rise, pose), room_pixels
 
 
 def _wall_owners(

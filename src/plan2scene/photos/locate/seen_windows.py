@@ -48,7 +48,7 @@ def with_seen_windows(house: House, shots: Mapping[str, Shot], poses: Mapping[st
     photo shows a window in it.
     """
     shapes = searched_shapes(house)
-    found: dict[str, list[Segment]] = {}
+    segments_of_room: dict[str, list[Segment]] = {}
     for room_id, shape in shapes.items():
         views = [
             (shots[name], pose)
@@ -58,22 +58,24 @@ def with_seen_windows(house: House, shots: Mapping[str, Shot], poses: Mapping[st
         for number, hole in enumerate(shape.holes) if views else ():
             if hole.kind == UNDRAWN:
                 likely = _likely(shapes, shape, number, views)
-                found.setdefault(room_id, []).extend(_segments(shape, hole, likely))
+                segments_of_room.setdefault(room_id, []).extend(_segments(shape, hole, likely))
     walls = [
         replace(wall, openings=tuple(o for o in wall.openings if not o.guessed))
-        if any(found.get(room) for room in wall.room_ids)
+        if any(segments_of_room.get(room) for room in wall.room_ids)
         else wall
         for wall in house.walls
     ]
     placed: dict[str, Wall] = {}
-    for room_id, segments in found.items():
-        own = [placed.get(wall.id, wall) for wall in walls if room_id in wall.room_ids]
+    for room_id, segments in segments_of_room.items():
+        room_walls = [placed.get(wall.id, wall) for wall in walls if room_id in wall.room_ids]
         for number, segment in enumerate(segments):
             named = replace(segment, id=f"seen_window_{len(placed)}_{number}")
             # A window beside no wall is left out: an edge of a room may have several walls or none.
             with suppress(InputError):
-                own = place_openings(Source("photos", house.id), own, [named], tolerance=0.5)
-        placed |= {wall.id: wall for wall in own}
+                room_walls = place_openings(
+                    Source("photos", house.id), room_walls, [named], tolerance=0.5
+                )
+        placed |= {wall.id: wall for wall in room_walls}
     return replace(house, walls=tuple(placed.get(wall.id, wall) for wall in walls))
 
 

@@ -34,22 +34,22 @@ def spots_of(rooms: Mapping[str, Sequence[str]], same_spot: Turned) -> list[Spot
     for (one, other), quarters in same_spot.items():
         if one in ties and other in ties:
             ties[one][other], ties[other][one] = quarters, -quarters
-    found: list[Spot] = []
+    spots: list[Spot] = []
     done: set[str] = set()
     for first in rooms:
         if first in done:
             continue
         turns, common, todo = {first: 0}, tuple(rooms[first]), [first]
         while todo:
-            here = todo.pop()
-            for other, quarters in sorted(ties[here].items()):
+            photo = todo.pop()
+            for other, quarters in sorted(ties[photo].items()):
                 both = tuple(room for room in common if room in rooms[other])
                 if both and other not in turns and other not in done:
-                    turns[other], common = (turns[here] + quarters) % 4, both
+                    turns[other], common = (turns[photo] + quarters) % 4, both
                     todo.append(other)
         done |= set(turns)
-        found.append(Spot(turns, common))
-    return found
+        spots.append(Spot(turns, common))
+    return spots
 
 
 def with_common_headings(
@@ -69,17 +69,17 @@ def with_common_headings(
             more = quarters + spots[a].quarters[one] - spots[b].quarters[other]
             ties[a].append((b, more))
             ties[b].append((a, -more))
-    found = [list(poses) for poses in hypotheses]
+    ranked_poses = [list(poses) for poses in hypotheses]
     done: set[int] = set()
     for first in range(len(spots)):
         if first in done or not ties[first]:
             continue
         turns, todo = {first: 0}, [first]
         while todo:
-            here = todo.pop()
-            for beside, more in ties[here]:
+            spot_number = todo.pop()
+            for beside, more in ties[spot_number]:
                 if beside not in turns:
-                    turns[beside] = turns[here] + more
+                    turns[beside] = turns[spot_number] + more
                     todo.append(beside)
         done |= set(turns)
         start = hypotheses[first][0].turn
@@ -99,8 +99,8 @@ def with_common_headings(
             for pose in hypotheses[number]:
                 k = _heading(pose, start, more)
                 poses.append(replace(pose, score=pose.score - best[number][k] + float(total[k])))
-            found[number] = sorted(poses, key=lambda pose: -pose.score)
-    return found
+            ranked_poses[number] = sorted(poses, key=lambda pose: -pose.score)
+    return ranked_poses
 
 
 def _heading(pose: Hypothesis, start: float, more: int) -> int:

@@ -157,29 +157,31 @@ def room_probabilities(
     rng = generator(0, "which room", house.id)
     state = np.where(known, alone.argmax(axis=1), len(rooms))
     counts = np.bincount(state, minlength=len(rooms) + 1).astype(float)
-    seen = np.zeros((len(names), len(rooms) + 1))
+    room_counts = np.zeros((len(names), len(rooms) + 1))
 
     def moved(group: Sequence[int]) -> np.ndarray:
         """Draw a new room for a group of photos in one room; return each room's probability."""
-        here, held = state[group[0]], set(group)
-        counts[here] -= len(group)
+        current_room, group_photos = state[group[0]], set(group)
+        counts[current_room] -= len(group)
         log = alone[group].sum(axis=0) + np.where(counts == 0, first, 0.0)
         for more, k in enumerate(group):
             log += weight[k] * np.log(frequent + np.minimum(counts + more, 2.0) * 0.3)
         for k in group:
-            kin = [state[other] for other in kindred[k] if other not in held]
+            kin = [state[other] for other in kindred[k] if other not in group_photos]
             untied = counts - np.bincount(kin, minlength=len(counts))
             log[:-1] -= WHICH.untied * np.minimum(untied, WHICH.most_untied)[:-1]
             together = np.bincount(state, looks[k], len(counts))
-            together[here] -= looks[k, group].sum()
+            together[current_room] -= looks[k, group].sum()
             log[:-1] += (together / np.sqrt(np.maximum(counts, 1.0)))[:-1]
             if not one_storey.all():  # on a single storey it is the same for all rooms
-                sums, there = one_storey @ together[:-1], one_storey @ counts[:-1]
-                storey = sums / np.sqrt(np.maximum(there, 1.0))
+                sums, storey_counts = one_storey @ together[:-1], one_storey @ counts[:-1]
+                storey = sums / np.sqrt(np.maximum(storey_counts, 1.0))
                 log[:-1] += WHICH.storey * (storey - storey.mean())
             for other in pairs[k]:
-                log += WHICH.tie * (near.diagonal() / 2 if other in held else near[state[other]])
-                if len(group) > 1 and other not in held:
+                log += WHICH.tie * (
+                    near.diagonal() / 2 if other in group_photos else near[state[other]]
+                )
+                if len(group) > 1 and other not in group_photos:
                     log[state[other]] = -np.inf  # there the tied photo would join the group
         odds = np.exp(log - log.max())
         state[group] = np.searchsorted(np.cumsum(odds), rng.random() * odds.sum())
@@ -192,26 +194,26 @@ def room_probabilities(
         for k in free:
             odds = moved([k])
             if sweep >= WHICH.warm:
-                seen[k] += odds
+                room_counts[k] += odds
         for first_of in rng.choice(paired, WHICH.groups) if paired else ():
             together = np.flatnonzero(state == state[first_of])
             group = sorted(_reached(int(first_of), pairs, set(together.tolist())))
             if len(group) > 1 and set(group) <= set(free):
                 moved(group)
-    found = {}
+    probabilities = {}
     for k, name in enumerate(names):
-        told = photos[name].told
-        if told:
-            found[name] = {room: 1.0 for room in told}
+        listed_rooms = photos[name].told
+        if listed_rooms:
+            probabilities[name] = {room: 1.0 for room in listed_rooms}
             continue
         if not known[k]:
-            found[name] = {NOWHERE: 1.0}
+            probabilities[name] = {NOWHERE: 1.0}
             continue
-        share = seen[k] / seen[k].sum()
-        found[name] = {
+        share = room_counts[k] / room_counts[k].sum()
+        probabilities[name] = {
             room: round(float(p), 4) for room, p in zip([*rooms, NOWHERE], share, strict=True)
         }
-    return found
+    return probabilities
 
 
 def fitting_rooms(house: House, name: str) -> dict[str, float]:
@@ -229,8 +231,8 @@ def fitting_rooms(house: House, name: str) -> dict[str, float]:
         }
         for room in house.rooms
     }
-    known = set().union(*fits.values())
-    return {room: len(words) / len(known) for room, words in fits.items() if words}
+    matched_words = set().union(*fits.values())
+    return {room: len(words) / len(matched_words) for room, words in fits.items() if words}
 
 
 def _words(text: str) -> set[str]:

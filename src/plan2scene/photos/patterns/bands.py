@@ -140,11 +140,11 @@ def read_step(
             continue
         widths[k] = both.sum() * BANDS.column_m
         steps = (everything.mean(*below) - everything.mean(*above))[both]
-        usual = np.median(steps, axis=0)
-        size = _size(usual)
+        median_step = np.median(steps, axis=0)
+        size = _size(median_step)
         # The whole wall above must differ from that below: else it is only a line or a shadow.
         whole = (sums.mean(row + gap, len(image)) - sums.mean(0, row - gap))[both]
-        alike = (_shared(steps, usual) > 0.5) & (_shared(whole, usual) > 0.5)
+        alike = (_shared(steps, median_step) > 0.5) & (_shared(whole, median_step) > 0.5)
         half = strip // 2
         within = [
             (everything.mean(first + half, last) - everything.mean(first, last - half))[both]
@@ -154,7 +154,7 @@ def read_step(
         clear = size >= BANDS.step and alike.mean() >= BANDS.along
         if clear and size >= BANDS.sharp * fades:
             worth[k] = size * float(alike.mean())
-            colours[k] = np.median(sums.mean(0, row - gap)[both], axis=0), usual
+            colours[k] = np.median(sums.mean(0, row - gap)[both], axis=0), median_step
     k = int(worth.argmax())
     if worth[k] <= 0.0:
         return float("nan"), np.zeros(3), np.zeros(3), 0.0, widths
@@ -211,10 +211,12 @@ def find_bands(views: Sequence[WallView], wet: Collection[str] = ()) -> dict[str
     """Return the bands of each room whose walls have any; in `wet` rooms they may part higher."""
     found = {}
     for room in sorted({view.room for view in views}):
-        mine = [view for view in views if view.room == room]
+        room_views = [view for view in views if view.room == room]
         if room not in wet:
-            mine = [replace(v, step_m=np.nan) if v.step_m > BANDS.dry_m else v for v in mine]
-        bands = _agreed(mine)
+            room_views = [
+                replace(v, step_m=np.nan) if v.step_m > BANDS.dry_m else v for v in room_views
+            ]
+        bands = _agreed(room_views)
         if bands is not None:
             found[room] = bands
     return found
@@ -242,11 +244,11 @@ def _agreed(views: Sequence[WallView]) -> WallBands | None:
     split = _middle(np.array([view.step_m for view in together]), weights)
     away = np.abs(np.log(heights() / split))
     others = [view for view in views if view not in together]
-    seen = sum(
+    other_width = sum(
         float(view.widths[away <= (away.min() if view.placed else BANDS.unplaced)].min())
         for view in others
     )
-    share = float(weights.sum() / (weights.sum() + seen))
+    share = float(weights.sum() / (weights.sum() + other_width))
     photos = tuple(sorted({view.photo for view in together}))
     if len(together) < BANDS.views or share < BANDS.most:
         return None

@@ -369,10 +369,10 @@ def _length(readings: Sequence[Reading]) -> tuple[float, float]:
         low, high = max(at + shift - 5, 0), min(at + shift + 6, size)
         if low >= high or curve[low:high].max() < 0.5 * FIND.least_length:
             continue
-        own = refined(curve, low + int(curve[low:high].argmax()))
+        length_m = refined(curve, low + int(curve[low:high].argmax()))
         line = max(found, key=lambda name: found[name][low:high].max())
-        lengths.append(own / r.width_m)
-        offsets.append(next_row(r.direction.view, r.width_m, own, line))
+        lengths.append(length_m / r.width_m)
+        offsets.append(next_row(r.direction.view, r.width_m, length_m, line))
         counts.append(r.weight * float(curve[low:high].max()))
     if not lengths:
         return ratio, 0.0
@@ -385,13 +385,16 @@ def _in_rows(readings: Sequence[Reading], line: str) -> bool:
     curves = np.array([run_on(r.direction.view, r.width_m, line) for r in readings])
     weights = np.array([[r.weight] for r in readings]) * np.isfinite(curves)
     total = weights.sum(axis=0)
-    seen = int(np.argmin(np.r_[total > 0.3 * total[0], False]))
-    if seen < 10:
+    shift_count = int(np.argmin(np.r_[total > 0.3 * total[0], False]))
+    if shift_count < 10:
         return True
-    mean = (np.nan_to_num(curves) * weights).sum(axis=0)[:seen] / total[:seen]
+    mean = (np.nan_to_num(curves) * weights).sum(axis=0)[:shift_count] / total[:shift_count]
     smooth = np.convolve(mean, np.full(5, 0.2), "valid") / max(float(mean[:12].mean()), 1e-6)
     again = float((smooth - np.minimum.accumulate(smooth)).max())
-    return again <= FIND.breaks and float(smooth[35:55].mean() if seen > 50 else 1.0) > FIND.fades
+    return (
+        again <= FIND.breaks
+        and float(smooth[35:55].mean() if shift_count > 50 else 1.0) > FIND.fades
+    )
 
 
 def _repeats_whole(readings: Sequence[Reading]) -> bool:
@@ -443,10 +446,10 @@ def _direction(readings: Sequence[Reading], turn: float) -> tuple[float, int]:
 
     It is NaN if there are no located views. The second value is the number of views that share it.
     """
-    found = [(r.direction.angle_deg % turn, r.weight) for r in readings if r.view.in_plan]
-    if not found:
+    weighted_angles = [(r.direction.angle_deg % turn, r.weight) for r in readings if r.view.in_plan]
+    if not weighted_angles:
         return NAN, 0
-    angles, weights = (np.array(column) for column in zip(*found, strict=True))
+    angles, weights = (np.array(column) for column in zip(*weighted_angles, strict=True))
     away = np.abs((angles[:, None] - angles + turn / 2) % turn - turn / 2)
     best = int(((away <= 2 * JOINTS.step_deg) @ weights).argmax())
     near = (angles - angles[best] + turn / 2) % turn - turn / 2

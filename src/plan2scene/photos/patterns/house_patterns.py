@@ -111,9 +111,9 @@ def write_patterns(
     found = floor_patterns(with_usual_height(floor_seen), shared, known, threads)
     patterns = {room: pattern for room, (pattern, _) in found.items()}
     pictured, _ = read_parquet(crops)
-    seen = set(pictured.loc[pictured["surface"] == "floor", "room_id"])
-    seen -= {room for room, pattern in patterns.items() if boarded(pattern, known.get(room))}
-    like = continued(plan, seen, patterns)
+    seen_rooms = set(pictured.loc[pictured["surface"] == "floor", "room_id"])
+    seen_rooms -= {room for room, pattern in patterns.items() if boarded(pattern, known.get(room))}
+    like = continued(plan, seen_rooms, patterns)
     rows = [
         _row(room, *found[like.get(room, room)], like.get(room, ""))
         for room in sorted(found | like)
@@ -152,10 +152,10 @@ def floor_patterns(
     those of :func:`write_patterns`; `threads` materials are processed at a time.
     """
     known = looks or {}
-    alike: dict[tuple[str, str], list[str]] = {}  # rooms of one material; else a room alone
+    by_material: dict[tuple[str, str], list[str]] = {}  # rooms of one material; else a room alone
     for room in sorted({room for view in views for room in view.rooms}):
         name = materials.get(room, "")
-        alike.setdefault((name, "" if name else room), []).append(room)
+        by_material.setdefault((name, "" if name else room), []).append(room)
 
     def of_material(rooms: list[str]) -> list[tuple[FoundPattern, Units]]:
         name, shared = materials.get(rooms[0], ""), None
@@ -165,23 +165,23 @@ def floor_patterns(
             both = tuple(np.mean(likely, axis=0).tolist()) if likely else None
             whole, readings = find_pattern(members, both)
             shared = whole, _units(whole, readings, members)
-        found = []
+        room_patterns = []
         for room in rooms:
-            mine = [view for view in views if room in view.rooms]
-            own, readings = find_pattern(mine, known.get(room))
+            room_views = [view for view in views if room in view.rooms]
+            own_pattern, readings = find_pattern(room_views, known.get(room))
             if shared is None or (
-                shared[0].kind == "plain" and shared[0].confidence < own.confidence
+                shared[0].kind == "plain" and shared[0].confidence < own_pattern.confidence
             ):
-                found.append((own, _units(own, readings, mine)))
+                room_patterns.append((own_pattern, _units(own_pattern, readings, room_views)))
             else:
-                found.append((_turned(shared[0], own), shared[1]))
-        return found
+                room_patterns.append((_turned(shared[0], own_pattern), shared[1]))
+        return room_patterns
 
-    groups = list(alike.values())
+    groups = list(by_material.values())
     return {
         room: pattern
-        for rooms, found in zip(groups, each(of_material, groups, threads), strict=True)
-        for room, pattern in zip(rooms, found, strict=True)
+        for rooms, room_patterns in zip(groups, each(of_material, groups, threads), strict=True)
+        for room, pattern in zip(rooms, room_patterns, strict=True)
     }
 
 
@@ -197,7 +197,7 @@ def continued(
     indoors = {r.id for r in plan.rooms if not r.open_air}
     doors = [pair for pair in plan.adjacency() if indoors.issuperset(pair)]
     laid = {name: pattern for name, pattern in patterns.items() if pattern.kind in LAID}
-    found = {}
+    neighbour_of_room = {}
     for room in plan.rooms:
         if room.id in seen or room.id not in indoors or _WET in room.types:
             continue
@@ -207,8 +207,8 @@ def continued(
         if first is None or laid.get(room.id, first).kind != first.kind:
             continue
         if all(name in laid and _same(laid[name], first) for name in beside):
-            found[room.id] = beside[0]
-    return found
+            neighbour_of_room[room.id] = beside[0]
+    return neighbour_of_room
 
 
 def _same(one: FoundPattern, other: FoundPattern) -> bool:

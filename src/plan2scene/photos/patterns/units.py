@@ -93,9 +93,9 @@ def _window(image: np.ndarray, mask: np.ndarray) -> np.ndarray:
     side = round(UNITS.shown_m * JOINTS.px_per_m)
     height, width = min(side, mask.shape[0]), min(side, mask.shape[1])
     sums = cv2.integral(mask.astype(np.uint8))
-    seen = sums[height:, width:] - sums[:-height, width:]
-    seen = seen - sums[height:, :-width] + sums[:-height, :-width]
-    top, left = np.unravel_index(int(seen.argmax()), seen.shape)
+    masked_counts = sums[height:, width:] - sums[:-height, width:]
+    masked_counts = masked_counts - sums[height:, :-width] + sums[:-height, :-width]
+    top, left = np.unravel_index(int(masked_counts.argmax()), masked_counts.shape)
     part = image[top : top + height, left : left + width]
     scale = UNITS.shown_px_per_m / JOINTS.px_per_m
     return cv2.resize(part, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
@@ -111,8 +111,8 @@ def _alike(cut: Sequence[np.ndarray]) -> list[np.ndarray]:
     flat = [_calm(image) for image in flat]
     tones = np.log([np.maximum(np.median(image, axis=(0, 1)), 1e-3) for image in cut])
     away = tones - np.median(tones, axis=0)
-    usual = 1.5 * np.median(np.abs(away))
-    tones = np.clip(away, -UNITS.tone * usual, UNITS.tone * usual)
+    usual_deviation = 1.5 * np.median(np.abs(away))
+    tones = np.clip(away, -UNITS.tone * usual_deviation, UNITS.tone * usual_deviation)
     shade = tones.mean(axis=1, keepdims=True)
     tones = shade + UNITS.hue * (tones - shade)  # different hues of units come mostly from light
     grey = [image.mean(axis=2) for image in flat]
@@ -126,12 +126,12 @@ def _alike(cut: Sequence[np.ndarray]) -> list[np.ndarray]:
     crossed = [_stripes(g) for g in dark]
     good &= np.array(crossed) <= UNITS.crossed * np.median(crossed)
     good &= blots <= UNITS.blot * np.median(blots)
-    good &= (np.abs(away) <= 2 * UNITS.tone * max(usual, 1e-6)).all(axis=1)
+    good &= (np.abs(away) <= 2 * UNITS.tone * max(usual_deviation, 1e-6)).all(axis=1)
     unusual = np.abs(np.log(blots / np.median(blots)))
     chosen = sorted(sorted(np.flatnonzero(good), key=lambda k: unusual[k])[: UNITS.most])
     flat = _own(flat)
-    made = (0.5 * flat[k] * np.exp(tones[k]) for k in chosen)
-    return [np.clip(np.rint(255 * image), 0, 255).astype(np.uint8) for image in made]
+    evened_units = (0.5 * flat[k] * np.exp(tones[k]) for k in chosen)
+    return [np.clip(np.rint(255 * image), 0, 255).astype(np.uint8) for image in evened_units]
 
 
 def _own(units: Sequence[np.ndarray]) -> list[np.ndarray]:
@@ -163,9 +163,9 @@ def _joint(profiles: Sequence[np.ndarray]) -> tuple[np.ndarray, float]:
     """Return `Units.joint` (3,) and `Units.joint_m` from colours across joints."""
     if not profiles:
         return np.zeros(3), 0.0
-    usual = np.median(profiles, axis=0)
-    beside = 0.5 * (usual[0] + usual[-1])
-    total = (1.0 - usual / np.maximum(beside, 1e-3)).sum(axis=0) / JOINTS.px_per_m
+    median_profile = np.median(profiles, axis=0)
+    beside = 0.5 * (median_profile[0] + median_profile[-1])
+    total = (1.0 - median_profile / np.maximum(beside, 1e-3)).sum(axis=0) / JOINTS.px_per_m
     width = float(np.abs(total.mean())) / UNITS.depth
     return total / max(width, 1e-6), width
 

@@ -86,9 +86,9 @@ def photos_with_planes(
         if photo not in files.photos or photo not in frames:
             expected = "a camera of every photo with planes"
             raise InputError(expected, f"none of {photo}", file=files.cameras, house=house_id)
-        own = Camera.from_json(frames[photo], file=files.masks)
+        photo_camera = Camera.from_json(frames[photo], file=files.masks)
         path, pose = files.photos[photo], poses.get(photo)
-        readers.append(partial(_read, photo, path, rows, own, pose, house_id))
+        readers.append(partial(_read, photo, path, rows, photo_camera, pose, house_id))
     return readers
 
 
@@ -138,12 +138,12 @@ def floor_views(seen: PhotoPlanes) -> Iterator[FloorView]:
         straight = cv2.resize(whole.image, size, interpolation=way)
         mask = cv2.resize(whole.mask.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST)
         floor = of_one_colour(straight, mask > 0)
-        found = directions(*evened(straight, floor))
-        if found:
+        line_directions = directions(*evened(straight, floor))
+        if line_directions:
             plane = item.plane
             known = plane.scale_source in _MEASURED
             height = plane.camera_height_m if known else float("nan")
-            shown = straight, floor, found, 1.0 / whole.metres_per_pixel, height
+            shown = straight, floor, line_directions, 1.0 / whole.metres_per_pixel, height
             yield FloorView(seen.photo, item.rooms, seen.placed, *shown)
 
 

@@ -88,16 +88,16 @@ def find_zigzag(
     A view's part is its slants, the planks' width there (metres) and how clear they are. Views have
     `weights` (n,); their scales may differ by the log ratio `same_size`. None if no view shows any.
     """
-    shown = [
+    weighted_slants = [
         (one, weight)
         for one, weight in ((slants(view), w) for view, w in zip(views, weights, strict=True))
         if one is not None
     ]
-    if not shown:
+    if not weighted_slants:
         return None
     reach = 2 * round(same_size / _STEP) + 1
-    wide = np.array([maximum_filter1d(one.scores, reach, axis=0) for one, _ in shown])
-    worth = np.array([weight * one.clear for one, weight in shown])
+    wide = np.array([maximum_filter1d(one.scores, reach, axis=0) for one, _ in weighted_slants])
+    worth = np.array([weight * one.clear for one, weight in weighted_slants])
     evidence = np.where(wide > -2.0, np.maximum(wide, ZIGZAG.noise), -2.0)
     pooled = np.tensordot(worth / worth.sum(), maximum_filter1d(evidence, 3, axis=2), 1)
     pooled -= ZIGZAG.unusual * np.log(_RATIOS / ZIGZAG.usual_ratio) ** 2
@@ -105,7 +105,7 @@ def find_zigzag(
     rows = slice(max(k - reach // 2, 0), k + reach // 2 + 1)
     columns = slice(max(j - 1, 0), j + 2)
     read = []
-    for one, weight in shown:
+    for one, weight in weighted_slants:
         line = one.scores[rows, columns].max(axis=1)
         if line.max() > -2.0:  # its columns are as wide as those of the other views
             read.append((one, float(_WIDTHS[rows][line.argmax()]), weight))
@@ -120,31 +120,32 @@ def find_zigzag(
         spine += one.clear * weight * along
     spine /= sum(one.clear * weight for one, _, weight in read)
     chevron = spine >= ZIGZAG.spine or abs(slant - 45.0) > ZIGZAG.square_deg
-    found = Zigzag(
+    zigzag = Zigzag(
         "chevron" if chevron else "herringbone",
         float(_WIDTHS[k]),
         float(_WIDTHS[k] * _RATIOS[j]),
         round(slant, 1) if chevron else 45.0,
     )
-    return found, float(clear), [(one, width, one.clear) for one, width, _ in read]
+    return zigzag, float(clear), [(one, width, one.clear) for one, width, _ in read]
 
 
 @lru_cache(maxsize=64)  # a view is needed twice: for its material and for its room
 def slants(view: FloorView) -> Slants | None:
     """Return the slanting planks that a view shows in columns; None if there are none."""
     contrast, valid = evened(view.image, view.mask)
-    found = _alternating(contrast, valid)
-    if found is None or found.clear < ZIGZAG.least:
+    alternation = _alternating(contrast, valid)
+    if alternation is None or alternation.clear < ZIGZAG.least:
         return None
     near = np.arange(-9.0, 9.5, JOINTS.step_deg / 6)
     first, second = (
-        way + near[np.argmax(kept_along(contrast, valid, way + near))] for way in found.ways_deg
+        way + near[np.argmax(kept_along(contrast, valid, way + near))]
+        for way in alternation.ways_deg
     )
     columns = (first + second) / 2
-    columns += 90.0 * round((found.angle_deg - columns) / 90.0)
+    columns += 90.0 * round((alternation.angle_deg - columns) / 90.0)
     slant = abs((first - columns + 90.0) % 180.0 - 90.0)
     if not ZIGZAG.slant_deg[0] <= slant <= ZIGZAG.slant_deg[1]:
-        columns, slant = found.angle_deg, 45.0
+        columns, slant = alternation.angle_deg, 45.0
         first, second = columns + slant, columns - slant
     along, alike = JOINTS.along_m * JOINTS.px_per_m, []
     for angle in (first, second):
@@ -160,10 +161,12 @@ def slants(view: FloorView) -> Slants | None:
         axis=0,
     )
     periods = 2 * _WIDTHS[:, None] * _RATIOS * np.sin(np.radians(slant))
-    scores = np.where(np.abs(np.log(periods / found.period_m)) <= ZIGZAG.same_period, scores, -2.0)
+    scores = np.where(
+        np.abs(np.log(periods / alternation.period_m)) <= ZIGZAG.same_period, scores, -2.0
+    )
     if scores.max() == -2.0:
         return None
-    return Slants(view, columns % 180.0, slant, found.clear, scores)
+    return Slants(view, columns % 180.0, slant, alternation.clear, scores)
 
 
 @dataclass(frozen=True)
@@ -193,8 +196,8 @@ def _line_tensor(contrast: np.ndarray, valid: np.ndarray) -> tuple[np.ndarray, n
     energy, real, imaginary = (
         cv2.blur(part * seen, (side, side)) for part in (gx**2 + gy**2, gx**2 - gy**2, 2 * gx * gy)
     )
-    usual = float((energy * seen).sum() / max(float(seen.sum()), 1.0))
-    tensor = (real + 1j * imaginary) / (energy + max(ZIGZAG.coherent * usual, 1e-9)) * seen
+    mean_energy = float((energy * seen).sum() / max(float(seen.sum()), 1.0))
+    tensor = (real + 1j * imaginary) / (energy + max(ZIGZAG.coherent * mean_energy, 1e-9)) * seen
     return tensor[::_EACH_PX, ::_EACH_PX], seen[::_EACH_PX, ::_EACH_PX]
 
 

@@ -390,12 +390,12 @@ def wall_spans(
     for axis in (0, 1):
         sides = []
         for sign in (1.0, -1.0):
-            seen = [
+            count_and_distance = [
                 (int(count[index]), line.distance)
                 for index, line in enumerate(lines)
                 if line.seen and line.outward[axis] == sign and count[index] >= PLANES.min_wall_bins
             ]
-            sides += [max(seen)[1]] if seen else []
+            sides += [max(count_and_distance)[1]] if count_and_distance else []
         spans.append((float(sum(sides)), len(sides) == 2))
     return spans
 
@@ -442,8 +442,8 @@ def room_reach(
     reach = np.where(seen[path], met, np.inf)
     through = np.zeros(len(path), bool)
     for index in np.flatnonzero(seen):
-        own = np.flatnonzero(path == index)
-        between = np.arange(own[0], own[-1] + 1) if len(own) else own
+        wall_bins = np.flatnonzero(path == index)
+        between = np.arange(wall_bins[0], wall_bins[-1] + 1) if len(wall_bins) else wall_bins
         for run in _runs(between[met[between] > away[between, index] + PLANES.min_step_m]):
             ends = direction[run[[0, -1]]] * away[run[[0, -1]], index, None]
             if np.linalg.norm(ends[1] - ends[0]) < PLANES.max_door_m:

@@ -70,11 +70,11 @@ def exemplar_tiles(inputs: TextureInputs) -> dict[SurfaceKey, Tile | NoTile]:
     longest_first = sorted(materials.values(), key=lambda m: -sum(len(groups[key]) for key in m))
     for made in each(of_one_material, longest_first, inputs.settings.threads):
         tiles.update(made)
-    own = {key: tile for key in groups if isinstance(tile := tiles.get(key), Tile)}
+    exemplars = {key: tile for key in groups if isinstance(tile := tiles.get(key), Tile)}
     jointless = _jointless(inputs)
     for key, surface in surfaces.items():
         if key not in tiles:
-            tiles[key] = _nearest(inputs, surface, surfaces, own, jointless)
+            tiles[key] = _nearest(inputs, surface, surfaces, exemplars, jointless)
     return {
         key: replace(tile, size_m=surfaces[key].size_m)
         if isinstance(tile, Tile) and not math.isfinite(tile.size_m)
@@ -90,8 +90,8 @@ def _shared_crops(
     shared: dict[str, dict[str, Crop]] = {}
     for key, group in groups.items():
         if surfaces[key].material:
-            known = shared.setdefault(surfaces[key].material, {})
-            known.update({crop.crop_id: crop for crop in group})
+            crop_by_id = shared.setdefault(surfaces[key].material, {})
+            crop_by_id.update({crop.crop_id: crop for crop in group})
     return {name: list(crops.values()) for name, crops in shared.items()}
 
 
@@ -136,11 +136,11 @@ def _made(
     size_px = inputs.settings.size_px
     names = tuple(crop.crop_id for crop in crops)
     key = (names, size_px, None if tone is None else tuple(tone), plain)
-    made = inputs.data.exemplars
-    if key not in made:
-        known = [_known(crop) for crop in crops]
-        made[key] = make_exemplar(known, size_px=size_px, tone=tone, plain=plain)
-    exemplar: Exemplar | None = made[key]
+    cache = inputs.data.exemplars
+    if key not in cache:
+        exemplar_crops = [_known(crop) for crop in crops]
+        cache[key] = make_exemplar(exemplar_crops, size_px=size_px, tone=tone, plain=plain)
+    exemplar: Exemplar | None = cache[key]
     return None if exemplar is None else (exemplar, tuple(names[k] for k in exemplar.crops))
 
 
@@ -179,10 +179,10 @@ def _nearest(
         left_out = jointless if surface.substance == "tile" else ()
         of_one = [key for key in pool if surfaces[key].substance == surface.substance]
         fitting = [key for key in of_one if key not in left_out]
-    alike = copied or fitting
-    if not alike and not surface.observed:
+    candidates = copied or fitting
+    if not candidates and not surface.observed:
         return _usual_tile(inputs, surface, tone)
-    pool = alike or pool
+    pool = candidates or pool
     distances = [np.abs(_code(surfaces[key]) - code).mean() for key in pool]
     nearest = pool[int(np.argmin(distances))]
     away = colour_difference(own[nearest].image, tone)
@@ -225,16 +225,16 @@ def _usual_tile(inputs: TextureInputs, surface: KnownSurface, tone: np.ndarray) 
     """
     kind, substance = surface.key.kind, surface.substance
     house, seeds = inputs.data.files.house_id, _SEEDS[substance]
-    drawn = derive_seed(inputs.settings.seed, "usual tile", house, kind, substance)
+    derived_seed = derive_seed(inputs.settings.seed, "usual tile", house, kind, substance)
     red, green, blue = (int(level) for level in np.round(np.clip(tone, 0.0, 1.0) * 255))
-    made = random_material(
+    material = random_material(
         substance,
-        seeds[drawn % len(seeds)],
+        seeds[derived_seed % len(seeds)],
         kind=(FLOOR_KINDS if kind == "floor" else OTHER_KINDS)[substance],
         size_px=_SIZE_PX,
         colour_rgb=(red, green, blue),
     )
-    image = with_calm_border(as_uint8(enlarged(made.albedo / 255.0, inputs.settings.size_px)))
+    image = with_calm_border(as_uint8(enlarged(material.albedo / 255.0, inputs.settings.size_px)))
     source = f"made up: no exemplar of a {kind} of {substance} in the house"
     regular = substance == "tile"
-    return Tile(recoloured(image, tone), made.size_m, source, True, regular=regular)
+    return Tile(recoloured(image, tone), material.size_m, source, True, regular=regular)

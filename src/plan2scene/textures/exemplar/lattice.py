@@ -103,12 +103,12 @@ def whole_periods(
     as whole periods allow. A direction without a period (or with one longer than `most`) has count
     0 and the other direction's side.
     """
-    known = [p for p in periods if np.isfinite(p) and p <= most]
-    if not known:
+    usable_periods = [p for p in periods if np.isfinite(p) and p <= most]
+    if not usable_periods:
         return 0, 0, 1.0, 1.0
-    if len(known) == 1:
-        count = max(1, round(1.0 / known[0]))
-        side = count * known[0]
+    if len(usable_periods) == 1:
+        count = max(1, round(1.0 / usable_periods[0]))
+        side = count * usable_periods[0]
         along = np.isfinite(periods[0]) and periods[0] <= most
         return (count, 0, side, side) if along else (0, count, side, side)
     options = []
@@ -288,7 +288,7 @@ def find_pattern(
     fits = np.ones(len(lattices), dtype=bool)
     checked = []
     for k, lattice in enumerate(lattices):
-        own = [
+        crop_periods = [
             p
             if np.isfinite(period) and abs(np.log(p * sides[k] / size / period)) < tolerance
             # a crop without the period is scaled by its metres
@@ -300,9 +300,9 @@ def find_pattern(
             or p == lattice.periods[axis]
             # a crop smaller than two periods shows a joint twice only by chance
             or (not np.isfinite(lattice.periods[axis]) and known and sides[k] < 2.0 * period)
-            for axis, (p, period) in enumerate(zip(own, periods, strict=True))
+            for axis, (p, period) in enumerate(zip(crop_periods, periods, strict=True))
         )
-        checked.append(replace(lattice, periods=(own[0], own[1])))
+        checked.append(replace(lattice, periods=(crop_periods[0], crop_periods[1])))
     if fits.sum() < EXEMPLAR.enough_periods:
         fits[:] = True
     return checked, cut, fits
@@ -316,18 +316,20 @@ def _usual_turns(lattices: list[CropLattice]) -> list[CropLattice]:
     one.
     """
     quarters = np.radians([4.0 * lattice.angle_deg for lattice in lattices if lattice.clear])
-    usual = 0.0
+    usual_angle = 0.0
     if 2 * len(quarters) >= len(lattices):
-        usual = float(np.degrees(np.angle(np.exp(1j * quarters).mean())) / 4.0)
+        usual_angle = float(np.degrees(np.angle(np.exp(1j * quarters).mean())) / 4.0)
     result = []
     for lattice in lattices:
-        away = (lattice.angle_deg - usual + 45.0) % 90.0 - 45.0
+        away = (lattice.angle_deg - usual_angle + 45.0) % 90.0 - 45.0
         if not lattice.clear or abs(away) > EXEMPLAR.odd_turn_deg:
             nothing = (float("nan"), float("nan"))
-            result.append(replace(lattice, angle_deg=usual, periods=nothing, peaks=(0.0, 0.0)))
-        elif abs(usual + away - lattice.angle_deg) > 1.0:
+            result.append(
+                replace(lattice, angle_deg=usual_angle, periods=nothing, peaks=(0.0, 0.0))
+            )
+        elif abs(usual_angle + away - lattice.angle_deg) > 1.0:
             turned = replace(lattice, periods=lattice.periods[::-1], peaks=lattice.peaks[::-1])
-            result.append(replace(turned, angle_deg=usual + away))
+            result.append(replace(turned, angle_deg=usual_angle + away))
         else:
             result.append(lattice)
     return result

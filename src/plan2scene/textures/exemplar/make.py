@@ -62,10 +62,12 @@ def alike(crops: Sequence[ExemplarCrop], tone: np.ndarray | None = None) -> list
     """
     labs = np.stack([rgb_to_lab(median_colour(crop.image)) for crop in crops])
     apart = delta_e_2000(labs[:, None], labs[None])
-    far = apart.sum(axis=1) if tone is None else delta_e_2000(labs, rgb_to_lab(tone)[None])
-    middle = int(far.argmin())
+    distance = apart.sum(axis=1) if tone is None else delta_e_2000(labs, rgb_to_lab(tone)[None])
+    middle = int(distance.argmin())
     return [
-        crop for crop, far in zip(crops, apart[middle], strict=True) if far <= EXEMPLAR.alike_de
+        crop
+        for crop, distance in zip(crops, apart[middle], strict=True)
+        if distance <= EXEMPLAR.alike_de
     ]
 
 
