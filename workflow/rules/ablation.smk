@@ -5,11 +5,7 @@ rule ablation_house:
     # Metrics of a house by every variant of the method, in one job.
     input:
         **made(EVALUATION_MODELS),
-        scene=f"{RESULTS}/houses/{{house}}/scene.json",
-        crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
-        embeddings=f"{RESULTS}/houses/{{house}}/embeddings.parquet",
-        colours=f"{RESULTS}/houses/{{house}}/colours.parquet",
-        library=f"{RESULTS}/texture_library.parquet",
+        **EVALUATED_HOUSE,
     output:
         f"{RESULTS}/houses/{{house}}/ablation.parquet",
     log:

@@ -10,6 +10,14 @@ METRIC_MODELS = {
 METRIC_MEMORY = 3000 if len(set(METRIC_MODELS.values())) > 1 else 1000
 # The models of the rules sweep_house and ablation_house, which run all stages after the embeddings.
 EVALUATION_MODELS = {**CROP_MODELS, **PROPAGATION_MODELS, **METRIC_MODELS}
+# Files of the house that the sweep and the ablation propagate and measure.
+EVALUATED_HOUSE = {
+    "scene": f"{RESULTS}/houses/{{house}}/scene.json",
+    "crops": f"{RESULTS}/houses/{{house}}/crops.parquet",
+    "colours": f"{RESULTS}/houses/{{house}}/colours.parquet",
+    "embeddings": f"{RESULTS}/houses/{{house}}/embeddings.parquet",
+    "library": f"{RESULTS}/texture_library.parquet",
+}
 
 
 TABLE_DROPS = sorted({"0.0", TABLE_DROP})

@@ -7,11 +7,7 @@ rule sweep_house:
     input:
         **given(pool=POOL),
         **made(EVALUATION_MODELS),
-        scene=f"{RESULTS}/houses/{{house}}/scene.json",
-        crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
-        colours=f"{RESULTS}/houses/{{house}}/colours.parquet",
-        embeddings=f"{RESULTS}/houses/{{house}}/embeddings.parquet",
-        library=f"{RESULTS}/texture_library.parquet",
+        **EVALUATED_HOUSE,
     output:
         f"{RESULTS}/houses/{{house}}/sweep.parquet",
     log:

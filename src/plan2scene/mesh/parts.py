@@ -45,7 +45,7 @@ class MeshPart:
     extras: Mapping[str, object] = field(default_factory=dict)
 
     def uv_to_world(self) -> np.ndarray:
-        """Return the (3, 3) float64 matrix that maps rows (u, v, 1) on a flat part to the world."""
+        """Return the (3, 3) float64 matrix from rows (u, v, 1) on a flat part to world metres."""
         homogeneous_uv = np.column_stack([np.asarray(self.uv), np.ones(len(self.mesh.vertices))])
         return np.asarray(np.linalg.lstsq(homogeneous_uv, self.mesh.vertices, rcond=None)[0])
 
