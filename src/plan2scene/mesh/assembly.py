@@ -96,6 +96,7 @@ def build_storey(
         leaf = leaves.get(portal.hole.opening.id, usual_colour)
         # A leaf opens into the room with fewer doors, not into a hall.
         inwards = portal.other is None or doors[portal.side.room_id] <= doors[portal.other]
+        opens_into = portal.side.room_id if inwards else portal.other
         both = (portal.side.room_id, portal.other)
         trim = next((trims[room] for room in both if room in trims), all_trim)
         fixture_parts = fixtures(
@@ -103,6 +104,7 @@ def build_storey(
             leaf,
             trim,
             inwards=inwards,
+            swept=polygons.get(opens_into or ""),
             hatch=is_hatch(portal, indoors),
             glazed=is_glazed(portal, rooms),
         )

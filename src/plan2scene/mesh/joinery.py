@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+import shapely
 
 from plan2scene.colour import (
     as_float,
@@ -40,7 +41,11 @@ GLAZED = frozenset({"Reception", "Bedroom", "Kitchen"})
 class JoinerySizes:
     """Sizes of ordinary joinery, metres; angles in radians."""
 
-    ajar: float = math.radians(40.0)  #: inner doors are open by this angle: one sees through
+    #: Inner doors stand wide open, as in photos of homes for sale. Chosen on two real flats
+    #: (development): views from the photos' places are nearer to the photos than with 0 or 40.
+    wide_open: float = math.radians(80.0)
+    #: Where a wall is in the way, they are opened less, in steps of this.
+    less_open: float = math.radians(10.0)
     frame: float = 0.05  #: width of a frame
     leaf: float = 0.04  #: thickness of a leaf
     two_leaves: float = 1.25  #: wider doors have two leaves
@@ -76,15 +81,17 @@ def fixtures(
     trim: Colour | None = None,
     *,
     inwards: bool = True,
+    swept: shapely.Polygon | None = None,
     hatch: bool = False,
     glazed: bool = False,
 ) -> list[MeshPart]:
     """Return the parts of a door, window or passage (none when it is under 15 cm wide or high).
 
     `leaf` is the colour of a door's leaves, `trim` that of frames and linings. Leaves open into the
-    portal's room if `inwards`, else into the other. A `hatch` is a window between two rooms: lining
-    and board, no glass. A `glazed` door is built as a window, shut. A passage up to the ceiling has
-    no parts.
+    portal's room if `inwards`, else into the other; `swept` is the floor (x, z) of the room that
+    they open into, in metres: they are opened as far as its walls let them. A `hatch` is a window
+    between two rooms: lining and board, no glass. A `glazed` door is built as a window, shut. A
+    passage up to the ceiling has no parts.
     """
     hole = portal.hole
     if hole.right - hole.left < 0.15 or hole.top - hole.bottom < 0.15:
@@ -93,7 +100,7 @@ def fixtures(
         return []
     if hole.opening.kind == "window" or glazed:
         return _window(portal, trim or FRAME_COLOUR, hatch=hatch)
-    return [_door(portal, leaf, trim, 1.0 if inwards else -1.0)]
+    return [_door(portal, leaf, trim, 1.0 if inwards else -1.0, swept)]
 
 
 def is_hatch(portal: Portal, indoors: Collection[str]) -> bool:
@@ -153,10 +160,17 @@ def _surround(
         builder.box(frame, (width, low, -half), (size - width, low + width, half), colour)
 
 
-def _door(portal: Portal, leaf: Colour, trim: Colour | None, swing: float) -> MeshPart:
+def _door(
+    portal: Portal,
+    leaf: Colour,
+    trim: Colour | None,
+    swing: float,
+    swept: shapely.Polygon | None,
+) -> MeshPart:
     """Return a door's frame and leaves, or a passage's lining.
 
-    The leaves open into the portal's room where `swing` is 1, into the other where it is -1.
+    The leaves open into the portal's room where `swing` is 1, into the other where it is -1. A
+    single leaf has its hinge on the side where it opens farther; see :func:`fixtures` for `swept`.
     """
     builder, extras = PartBuilder(), _extras(portal)
     room, opening = portal.side.room_id, portal.hole.opening
@@ -172,12 +186,15 @@ def _door(portal: Portal, leaf: Colour, trim: Colour | None, swing: float) -> Me
     if portal.other is None and width > JOINERY.sections:
         _sections(builder, portal, (jamb + gap, clear), (low, high), leaf)
         return builder.build(f"{room}/door/{opening.id}", extras=extras)
-    hinges = [(jamb + gap, 1.0)]
-    if width > JOINERY.two_leaves:
+    hinges = [(jamb + gap, 1.0), (width - jamb - gap, -1.0)]
+    paired = width > JOINERY.two_leaves
+    if paired:
         clear = clear / 2 - gap / 2
-        hinges.append((width - jamb - gap, -1.0))
-    for hinge, side in hinges:
-        _leaf(builder, portal, hinge, (side, swing), (clear, low, high), leaf)
+    angles = [_opened(portal, hinge, (side, swing), clear, swept) for hinge, side in hinges]
+    best = int(angles[1] > angles[0])
+    for k in (0, 1) if paired else (best,):
+        hinge, side = hinges[k]
+        _leaf(builder, portal, hinge, (side, swing), (clear, low, high), angles[k], leaf)
     return builder.build(f"{room}/door/{opening.id}", extras=extras)
 
 
@@ -203,29 +220,62 @@ def _sections(
         builder.box(frame, *ends, colour)
 
 
+def _leaf_frame(
+    portal: Portal, hinge: float, turn: tuple[float, float], angle: float
+) -> np.ndarray:
+    """Return the (4, 3) box frame of a leaf that is hinged at `hinge` metres.
+
+    `turn` is two signs: +1 if the leaf extends to the right, +1 if it opens into the portal's room.
+    `angle` is by how much it is open, radians.
+    """
+    base = _centre(portal)
+    inward = turn[1] * base[2]
+    along = turn[0] * base[0] * math.cos(angle) + inward * math.sin(angle)
+    across = np.cross(along, base[1])
+    frame = np.array([along, base[1], across, base[3] + hinge * base[0]])
+    if portal.other is not None:  # the pivot is at the face of the frame: the leaf clears the jamb
+        frame[3] += inward * (_depth(portal) - JOINERY.leaf)
+    return frame
+
+
+def _opened(
+    portal: Portal,
+    hinge: float,
+    turn: tuple[float, float],
+    width: float,
+    swept: shapely.Polygon | None,
+) -> float:
+    """Return the angle by which a leaf of a `width` is open, radians; doors outwards are shut.
+
+    `hinge` and `turn` are those of :func:`_leaf_frame`, `swept` that of :func:`fixtures`.
+    """
+    if portal.other is None:
+        return 0.0
+    angle = JOINERY.wide_open
+    while swept is not None and angle > JOINERY.less_open:
+        along, _, _, pivot = _leaf_frame(portal, hinge, turn, angle)
+        outer = [(pivot + share * width * along)[[0, 2]] for share in (0.5, 1.0)]
+        if swept.covers(shapely.LineString(outer)):
+            break
+        angle -= JOINERY.less_open
+    return angle
+
+
 def _leaf(
     builder: PartBuilder,
     portal: Portal,
     hinge: float,
     turn: tuple[float, float],
     size: tuple[float, float, float],
+    angle: float,
     colour: Colour,
 ) -> None:
-    """Add a door leaf hinged at `hinge` metres.
+    """Add a door leaf; `hinge`, `turn` and `angle` are those of :func:`_leaf_frame`.
 
-    `turn` is two signs: +1 if the leaf extends to the right, +1 if it opens into the portal's room.
-    `size` is (width, bottom, top). Doors to the outside are shut.
+    `size` is (width, bottom, top).
     """
     width, low, high = size
-    outside = portal.other is None
-    base = _centre(portal)
-    angle = 0.0 if outside else JOINERY.ajar
-    inward = turn[1] * base[2]
-    along = turn[0] * base[0] * math.cos(angle) + inward * math.sin(angle)
-    across = np.cross(along, base[1])
-    frame = np.array([along, base[1], across, base[3] + hinge * base[0]])
-    if not outside:  # the pivot is at the face of the frame, so the leaf clears the jamb
-        frame[3] += inward * (_depth(portal) - JOINERY.leaf)
+    frame = _leaf_frame(portal, hinge, turn, angle)
     half = JOINERY.leaf / 2
     if is_wood(rgb_to_lab(as_float(np.array(colour, np.uint8)))):
         _veneer(builder, frame, (width, low, high), colour)

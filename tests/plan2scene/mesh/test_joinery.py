@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from box_room import box_house
+from sample_houses import walls_of
 
 from plan2scene.colour import is_wood, rgb_to_lab, srgb_to_linear
-from plan2scene.house import House
+from plan2scene.house import Door, House, Opening, Room
 from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.joinery import FRAME_COLOUR, METAL_COLOUR, PANEL_SHADE
 
@@ -79,3 +80,39 @@ def test_a_garage_door_has_sections_and_no_handle():
     flat = (door.colours[door.mesh.faces][..., :3] == GREEN).all(axis=(1, 2))
     heights = np.unique(door.mesh.vertices[door.mesh.faces[flat]][..., 1].round(3))
     assert len(heights) == 2 * 4  # four sections of 53 cm
+
+
+def leaf_points(ring, start):
+    """Return the points (n, 2) of a door's leaf in a closet, x and z, without those at the wall.
+
+    The closet (corners `ring`) lies beside a hall at x = 3.1; the door begins at z = `start`.
+    """
+    closet = Room("a", ("Closet",), (ring,), 2.5)
+    hall = Room("b", ("Corridor",), (((3.1, 0.0), (6.0, 0.0), (6.0, 4.0), (3.1, 4.0)),), 2.5)
+    end = start + 0.8
+    copies = (
+        Opening("ab", "door", start, end, 0.0, 2.0),
+        Opening("ba", "door", 4.0 - end, 4.0 - start, 0.0, 2.0),
+    )
+    walls = (
+        *walls_of(closet, openings={1: [copies[0]]}),
+        *walls_of(hall, openings={3: [copies[1]]}),
+    )
+    doors = (Door("a", "ab", "b"), Door("b", "ba", "a"))
+    parts = assemble(House("h", (closet, hall), walls, doors)).parts
+    (mesh,) = [part.mesh for part in parts if part.name == "a/door/ab"]
+    points = mesh.vertices[:, [0, 2]]
+    return points[points[:, 0] < 2.9]
+
+
+@pytest.mark.parametrize(("back", "reach"), [(1.0, (2.3, 2.4)), (2.5, (2.5, 2.7))])
+def test_a_leaf_stands_wide_open_but_not_in_a_wall(back, reach):
+    points = leaf_points(((back, 0.0), (3.0, 0.0), (3.0, 4.0), (back, 4.0)), 1.6)
+    assert reach[0] < points[:, 0].min() < reach[1]
+
+
+@pytest.mark.parametrize("deep_first", [True, False])
+def test_a_leaf_has_its_hinge_where_the_room_is_deeper(deep_first):
+    first, last = (1.6, 2.7) if deep_first else (2.7, 1.6)
+    points = leaf_points(((first, 0.0), (3.0, 0.0), (3.0, 1.2), (last, 1.2)), 0.2)
+    assert (points[:, 1].mean() < 0.6) == deep_first
