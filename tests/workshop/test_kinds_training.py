@@ -29,7 +29,7 @@ def coloured_shots(house, room_id, *_, long_side, listed, **__):
     image = np.full((long_side, long_side, 3), 60, np.uint8)
     image[..., kind % 3] += np.uint8(190 - 90 * (kind // 3))
     labels = np.zeros(image.shape[:2], np.uint8)
-    yield SimpleNamespace(image=image, labels=labels, camera={"room_id": room_id})
+    yield SimpleNamespace(image=image, labels=labels, camera={"room_id": room_id}, amodal=None)
 
 
 def test_training_on_listed_homes_tells_their_rooms(tmp_path, monkeypatch):

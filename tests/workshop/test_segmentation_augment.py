@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 
-from plan2scene.photos.labels.palette import CEILING, FLOOR, IGNORE, OTHER, WALL
+from plan2scene.photos.labels.palette import CEILING, FLOOR, IGNORE, OTHER, WALL, WINDOW
 from plan2scene_workshop.segmentation.augment import training_batch
 from plan2scene_workshop.segmentation.data import LabelledPhoto
 
@@ -52,3 +52,17 @@ def test_labels_elevations_and_geometry_stay_together() -> None:
     assert min(agreed) > 0.999
     assert turned > 0
     assert sides == {-1.0, 0.0, 1.0}  # mirrored views see a normal to the right as one to the left
+
+
+def test_amodal_labels_are_learned_and_only_openings_put_in_front_change_them() -> None:
+    """Without what is put in front, they are the floor everywhere that the photo is."""
+    photo = _photo()
+    amodal = np.full_like(photo.labels, FLOOR)
+    photos = [dataclasses.replace(photo, amodal=amodal)] * 7
+    window = dataclasses.replace(photo, labels=np.full_like(photo.labels, WINDOW), amodal=amodal)
+    told = [np.zeros(photo.labels.shape, np.float32)] * 8
+    learned = [_batch([*photos, window], told, seed).labels for seed in range(12)]
+    for labels in learned:
+        assert set(labels.unique().tolist()) <= {FLOOR, WINDOW, IGNORE}
+        assert WINDOW not in labels[1:]  # a view takes things from the view before it
+    assert any((labels[0] == WINDOW).any() for labels in learned)

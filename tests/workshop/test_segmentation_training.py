@@ -206,6 +206,21 @@ def test_normals_depth_and_openings_are_read_where_there_are_some(tmp_path: Path
     assert photo.geometry[-1, 0].tolist() == [0, 0, 0, 2.5]
 
 
+def test_amodal_labels_are_learned_where_there_are_some(tmp_path: Path) -> None:
+    _write_data_set(tmp_path)
+    visible = read_labelled_photos(tmp_path, "train", long_side=32)[0]
+    assert visible.learned is visible.labels
+    settings = SegmentationSettings(amodal=True)
+    model, card = tmp_path / "m.safetensors", tmp_path / "m.md"
+    with pytest.raises(InputError, match="amodal labels"):
+        train_segmentation(tmp_path, model, card, settings=settings, seed=1)
+    behind = tmp_path / "truth" / "train" / "h1" / "amodal" / "h1_a.png"
+    write_label_png(behind, np.full((48, 64), WINDOW, np.uint8))
+    photo = read_labelled_photos(tmp_path, "train", long_side=32)[0]
+    np.testing.assert_array_equal(photo.labels, visible.labels)
+    np.testing.assert_array_equal(photo.learned, np.full((24, 32), WINDOW))
+
+
 def test_a_split_without_photos_is_an_error(tmp_path: Path) -> None:
     _write_data_set(tmp_path)
     assert [p.name for p in read_labelled_photos(tmp_path, "val", long_side=32)] == ["h2_a.png"]

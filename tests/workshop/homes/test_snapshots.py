@@ -13,6 +13,7 @@ import pytest
 from plan2scene.datasets.house_table import read_table
 from plan2scene.images import read_image
 from plan2scene.io import read_json
+from plan2scene.photos.labels.palette import read_label_png
 from plan2scene_workshop.homes import snapshots
 from plan2scene_workshop.homes.residences import write_dataset_index
 from plan2scene_workshop.homes.style import assign_materials
@@ -22,11 +23,11 @@ from plan2scene_workshop.rendering.sources import Sources
 pytest.importorskip("drjit", exc_type=ImportError)
 
 
-def fake_shots(house, room_id, materials, accents, decor, count, seed, *, long_side, mi, listed):
-    """Yield `count` photos of noise."""
+def fake_shots(house, room_id, *_, long_side, amodal, **__):
+    """Yield two photos of noise."""
     size = (3 * long_side // 4, long_side)
-    for k in range(count):
-        rng = np.random.default_rng((seed + k) % 2**32)
+    for k in range(2):
+        rng = np.random.default_rng(len(room_id) + k)
         yield Snapshot(
             SimpleNamespace(room_id=room_id),
             rng.integers(0, 255, (*size, 3)).astype(np.uint8),
@@ -34,6 +35,7 @@ def fake_shots(house, room_id, materials, accents, decor, count, seed, *, long_s
             rng.integers(1, 255, (*size, 3)).astype(np.uint8),
             rng.integers(0, 9000, size).astype(np.uint16),
             {"room_id": room_id, "planes": []},
+            np.full(size, 2, np.uint8) if amodal else None,
         )
 
 
@@ -45,7 +47,7 @@ def test_a_house_of_snapshots_is_a_data_set(
     monkeypatch.setattr(snapshots, "load_mitsuba", lambda variant: None)
     small = partial(assign_materials, size_px=32)
     monkeypatch.setattr(snapshots, "assign_materials", small)
-    options = snapshots.SnapshotOptions(views=2, long_side=32, targets=targets)
+    options = snapshots.SnapshotOptions(views=2, long_side=32, targets=targets, amodal=targets)
     earlier = tmp_path / "photos" / "h_1_99.jpg"
     earlier.parent.mkdir()
     earlier.write_bytes(b"of a run with more photos")
@@ -59,7 +61,7 @@ def test_a_house_of_snapshots_is_a_data_set(
     assert len(cameras) >= 2 and {c["room_id"] for c in cameras.values()} <= {
         room.id for room in house.rooms
     }
-    folders = {"masks", "normals", "depth"} if targets else {"masks"}
+    folders = {"masks", "amodal", "normals", "depth"} if targets else {"masks"}
     assert {path.name for path in truth.iterdir() if path.is_dir()} == folders
     for name in cameras:
         stem = Path(name).stem
@@ -67,5 +69,6 @@ def test_a_house_of_snapshots_is_a_data_set(
         mask = cv2.imread(str(truth / "masks" / f"{stem}.png"), cv2.IMREAD_UNCHANGED)
         assert mask.shape[:2] == (24, 32)
         if targets:
+            assert (read_label_png(truth / "amodal" / f"{stem}.png") == 2).all()
             depth = cv2.imread(str(truth / "depth" / f"{stem}.png"), cv2.IMREAD_UNCHANGED)
             assert depth.dtype == np.uint16 and 4000 < depth.max() < 9000

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from plan2scene.photos.labels.palette import DOOR
+from plan2scene.photos.labels.palette import DOOR, OTHER
 from plan2scene_workshop.homes.floorplans import generate_house
 from plan2scene_workshop.homes.style import assign_materials
 from plan2scene_workshop.rendering.closets import add_closets
@@ -37,7 +37,8 @@ def _shoot(mi, seed: int) -> list[Snapshot]:
     materials = assign_materials(house, seed, (), size_px=64)
     decor = draw_decor(Sources(), seed, randomised=True)
     room = max(house.rooms, key=lambda room: room.types == ("Reception",)).id
-    return list(shoot_room(house, room, materials, {}, decor, 2, seed, long_side=64, mi=mi))
+    shots = shoot_room(house, room, materials, {}, decor, 2, seed, long_side=64, mi=mi, amodal=True)
+    return list(shots)
 
 
 @pytest.fixture(scope="module")
@@ -79,6 +80,14 @@ def test_depth_normals_and_labels_agree_with_the_camera(snapshots: list[Snapshot
         wall = shot.labels == 2
         assert np.median(np.abs(normal[wall][:, 1])) < 0.02
         assert ((normal * (ray @ rotation)).sum(-1)[depth > 0] < 0.02).all()
+
+
+def test_amodal_labels_tell_what_furniture_hides(snapshots: list[Snapshot]) -> None:
+    for shot in snapshots:
+        seen = shot.labels != OTHER
+        assert 0.1 < seen.mean() < 0.9 and shot.amodal is not None
+        assert (shot.amodal == shot.labels)[seen].mean() > 0.99
+        assert (shot.amodal != OTHER).mean() > 0.99
 
 
 def test_textures_are_seen_the_right_way_up(mi) -> None:

@@ -16,6 +16,7 @@ from plan2scene.house import House, Opening, SurfaceKey
 from plan2scene.images import write_png
 from plan2scene.io import atomic_directory, atomic_path, write_json
 from plan2scene.materials import Material
+from plan2scene.photos.labels.palette import write_label_png
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene.seeds import derive_seed, generator
@@ -51,6 +52,7 @@ class SnapshotOptions:
     covered: float = 0.0  #: share of windows covered by blinds or curtains
     joinery: bool = False  #: whether there are fitted closets, various doors, and glass doors
     listed: bool = False  #: homes like those of listings, with furniture for each room's use
+    amodal: bool = False  #: write the labels of what is behind the furniture, too
     targets: bool = True  #: write normals and depth beside the masks
     jpeg_quality: tuple[int, int] = (50, 95)  #: range; a value is drawn for each photo
     variant: str | None = None  #: Mitsuba variant (a vectorised one); None: the first that works
@@ -96,11 +98,14 @@ def write_snapshots(
                 long_side=options.long_side,
                 mi=mi,
                 listed=options.listed,
+                amodal=options.amodal,
             )
             for shot in shots:
                 name = f"{house_id}_{len(cameras):02d}.jpg"
                 quality = int(rng.integers(options.jpeg_quality[0], options.jpeg_quality[1] + 1))
                 write_photo(root, truth, name, shot.image, shot.labels, quality)
+                if shot.amodal is not None:
+                    write_label_png(truth / "amodal" / f"{Path(name).stem}.png", shot.amodal)
                 if options.targets:
                     _write_targets(truth, f"{Path(name).stem}.png", shot)
                 cameras[name] = shot.camera

@@ -63,6 +63,14 @@ class Geometry:
         """Add a solid; `colour` is used only by materials with a colour per face."""
         self._parts.setdefault(material, []).append((solid, colour, label, plane))
 
+    def unfurnished(self) -> Geometry:
+        """Return the solids with a label: floors, walls, ceilings, doors, closets and windows."""
+        bare = Geometry()
+        for name, parts in self._parts.items():
+            if own := [part for part in parts if part[2] != OTHER]:
+                bare._parts[name] = own
+        return bare
+
     def joined(self) -> dict[str, JoinedGroup]:
         """Return one mesh per material, in order of material name."""
         return {name: _join(parts) for name, parts in sorted(self._parts.items())}

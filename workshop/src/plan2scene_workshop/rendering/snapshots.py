@@ -57,6 +57,8 @@ class Snapshot:
     normals: NDArray[np.uint8]  #: (h, w, 3) camera axes, (n + 1) / 2 * 255; 0 where nothing is hit
     depth: NDArray[np.uint16]  #: (h, w) along the camera's axis, mm; 0 where nothing is hit
     camera: dict[str, Any]  #: as in ``cameras.json`` of the truth; no planes
+    #: (h, w): labels of what would be seen without furniture (amodal); None if not asked for.
+    amodal: NDArray[np.uint8] | None = None
 
 
 def shoot_room(
@@ -71,15 +73,20 @@ def shoot_room(
     long_side: int,
     mi: Any,
     listed: bool = False,
+    amodal: bool = False,
 ) -> Iterator[Snapshot]:
     """Yield up to `count` snapshots of a room; fewer if it has too few good views.
 
     Those of a `listed` home are wide views from the border of a room, by better photographers.
+    With `amodal` they include amodal labels.
     """
     scene = build_room_scene(
         house, room_id, decor.materials(materials), accents, (), seed, decor=decor
     )
     tracer = QuickTracer(scene.geometry, scene.finishes, mi)
+    bare = None
+    if amodal:
+        bare = QuickTracer(scene.geometry.unfurnished(), scene.finishes, mi)
     gloss = draw_gloss(tracer.names, tracer.finishes, generator(seed, room_id, "gloss"))
     rng = generator(seed, house.id, room_id, "snapshots")
     room = house.room(room_id)
@@ -88,7 +95,8 @@ def shoot_room(
     wild = 1.0 if decor.randomised else _WILD_LISTED if listed else _WILD
     for index, (view, size) in enumerate(views):
         view = replace(view, seed=derive_seed(seed, house.id, room_id, "snapshot", index))
-        yield _shoot(tracer, scene.outside, gloss, view, size, wild=wild)
+        shot = _shoot(tracer, scene.outside, gloss, view, size, wild=wild)
+        yield replace(shot, amodal=_labels(bare, bare.hits(view, size))) if bare else shot
 
 
 def choose_views(
@@ -240,11 +248,15 @@ def _shoot(
     return Snapshot(
         view,
         image,
-        np.where(hits.face >= 0, tracer.faces.labels[hits.face], OTHER).astype(np.uint8),
+        _labels(tracer, hits),
         _packed_normals(hits, view),
         np.clip(np.round(hits.depth * 1000), 0, 65535).astype(np.uint16),
         camera_record(view, size, ()),
     )
+
+
+def _labels(tracer: QuickTracer, hits: Hits) -> NDArray[np.uint8]:
+    return np.where(hits.face >= 0, tracer.faces.labels[hits.face], OTHER).astype(np.uint8)
 
 
 def _emitted(

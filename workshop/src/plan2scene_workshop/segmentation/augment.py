@@ -56,6 +56,7 @@ class View:
     labels: np.ndarray  #: (h, w) uint8
     sines: np.ndarray  #: (h, w) float32 sine of the elevation, NaN where unknown
     geometry: np.ndarray | None  #: (h, w, 4) float32 normal and depth, as in a photo
+    amodal: np.ndarray | None = None  #: (h, w) uint8 labels to learn instead of `labels`
 
     def mapped(self, move: np.ndarray) -> View:
         """Return the view warped by a homography (3, 3) of pixels; outside it labels are 255."""
@@ -71,6 +72,7 @@ class View:
             warp(self.labels, IGNORE),
             warp(self.sines, np.nan),
             None if self.geometry is None else warp(self.geometry, 0),
+            None if self.amodal is None else warp(self.amodal, IGNORE),
         )
 
 
@@ -108,7 +110,9 @@ def training_batch(
     return Batch(
         torch.stack([to_tensor(brightened(other_camera(view.image, rng))) for view in views]),
         torch.from_numpy(np.stack([view.sines for view in views])),
-        torch.from_numpy(np.stack([view.labels for view in views]).astype(np.int64)),
+        torch.from_numpy(
+            np.stack([v.labels if v.amodal is None else v.amodal for v in views]).astype(np.int64)
+        ),
         torch.tensor([photo.openings for photo in photos]),
         torch.tensor([photo.taught for photo in photos]),
         geometry,
@@ -145,7 +149,8 @@ def cut_view(
         geometry = part(geometry.astype(np.float32))
         geometry[..., 0] *= way  # a normal to the right becomes one to the left
     image = part(photo.image, cv2.INTER_AREA if tall > size[0] else cv2.INTER_LINEAR)
-    return View(image, part(photo.labels), part(sines), geometry)
+    amodal = None if photo.amodal is None else part(photo.amodal)
+    return View(image, part(photo.labels), part(sines), geometry, amodal)
 
 
 def _other_surfaces(view: View, rng: np.random.Generator) -> View:
@@ -201,6 +206,9 @@ def _put(view: View, where: np.ndarray, other: View) -> None:
     """Paste pixels of another view into a view; the elevation stays (it depends on the camera)."""
     view.image, view.labels = view.image.copy(), view.labels.copy()
     view.image[where], view.labels[where] = other.image[where], other.labels[where]
+    if view.amodal is not None:  # a thing hides what is behind it; a door or window does not
+        opening = where & np.isin(other.labels, (DOOR, WINDOW))
+        view.amodal = np.where(opening, other.labels, view.amodal)
     if view.geometry is not None:
         view.geometry = view.geometry.copy()
         view.geometry[where] = 0 if other.geometry is None else other.geometry[where]

@@ -40,16 +40,24 @@ class LabelledPhoto:
     #: (h / 2, w / 2, 4) float16, if the renderer wrote it: the normal in camera axes and the depth
     #: in metres; zero where no surface is hit.
     geometry: np.ndarray | None = None
+    #: (h, w) uint8: labels of what would be seen without furniture, if the renderer wrote them.
+    amodal: np.ndarray | None = None
     #: Whether teachers (if there are any) label this photo; if not, only its labels are learned.
     taught: bool = True
+
+    @property
+    def learned(self) -> np.ndarray:
+        """The labels that a network learns: the amodal ones, if there are any."""
+        return self.labels if self.amodal is None else self.amodal
 
 
 def read_labelled_photos(root: str | Path, split: str, *, long_side: int) -> list[LabelledPhoto]:
     """Return the photos of a split of a synthetic data set, scaled down to `long_side` pixels.
 
     Reads ``data_lists/{split}.txt``, ``truth/{split}/{house}/cameras.json`` (which names the
-    photos), ``photos/``, ``masks/`` (``docs/conventions.md``), and ``normals/`` and ``depth/`` if
-    present. `openings` is true for all photos if any mask of the split has doors or windows.
+    photos), ``photos/``, ``masks/`` (``docs/conventions.md``), and ``amodal/``, ``normals/`` and
+    ``depth/`` if present. `openings` is true for all photos if any mask of the split has doors or
+    windows.
     """
     base = Path(root)
     listing = base / "data_lists" / f"{split}.txt"
@@ -73,10 +81,14 @@ def _house_photos(base: Path, split: str, house: str, long_side: int) -> Iterato
             raise InputError(
                 f"a mask of size {image.shape[:2]}", str(labels.shape), file=name, house=house
             )
+        behind = truth / "amodal" / mask.name
+        amodal = read_label_png(behind, house_id=house, openings=True) if behind.exists() else None
+        if amodal is not None:
+            _, amodal = scaled_down(image, amodal, long_side)
         image, labels = scaled_down(image, labels, long_side)
         geometry = _read_geometry(truth, mask.name, (labels.shape[0], labels.shape[1]), house)
         horizon = horizon_of(cameras[name])
-        yield LabelledPhoto(name, image, labels, horizon, geometry=geometry)
+        yield LabelledPhoto(name, image, labels, horizon, geometry=geometry, amodal=amodal)
 
 
 def _read_geometry(truth: Path, name: str, size: tuple[int, int], house: str) -> np.ndarray | None:

@@ -71,6 +71,7 @@ def train_segmentation(
     photos += [replace(photo, taught=False) for photo in _photos(further, "train", stored)]
     held_out = _photos(roots, "val", 1024)
     held_out = held_out[:: max(1, len(held_out) // settings.evaluate_photos)]
+    photos, held_out = (_learned(those, amodal=settings.amodal) for those in (photos, held_out))
     _LOG.info("%d photos, %d held out", len(photos), len(held_out))
     trained = averaged_runs(photos, held_out, settings, seed=seed, checkpoint=checkpoint)
     network = _with(trained.network, settings.beside)
@@ -78,7 +79,7 @@ def train_segmentation(
     shipped = load_segmenter(model_path).network
     found = list(answers(shipped, held_out, estimated_cameras(held_out)))
     final = scores([matrix for matrix, _ in found])
-    truth = [photo.labels for photo in held_out]
+    truth = [photo.learned for photo in held_out]
     temperature = settings.temperature or best_temperature([part for _, part in found], truth)
     network.architecture["temperature"] = temperature
     save_model_file(model_path, network.state_dict(), network.architecture)
@@ -206,6 +207,18 @@ def _photos(roots: Sequence[str | Path], split: str, long_side: int) -> list[Lab
     return [
         photo for root in roots for photo in read_labelled_photos(root, split, long_side=long_side)
     ]
+
+
+def _learned(photos: Sequence[LabelledPhoto], *, amodal: bool) -> list[LabelledPhoto]:
+    """Return photos without amodal labels, or with them, if these are learned.
+
+    InputError if a photo has no `amodal` labels.
+    """
+    if not amodal:
+        return [replace(photo, amodal=None) for photo in photos]
+    if any(photo.amodal is None for photo in photos):
+        raise InputError("photos with amodal labels (synthetic.snapshots.amodal)", "none")
+    return list(photos)
 
 
 def _with(network: SegmentationNet, files: str | None) -> Network:

@@ -35,6 +35,9 @@ class SegmentationSettings:
     #: Root folders of further data sets, joined by ``:``, whose train and val splits are used too.
     #: Teachers are not used on their photos (unknown to them); only the labels are learned there.
     further: str | None = None
+    #: Whether the labels to learn are those of what would be seen without furniture (amodal
+    #: segmentation, doi 10.1109/CVPR.2017.323), of a data set with ``snapshots.amodal``.
+    amodal: bool = False
     attention: int = 2  #: number of attention blocks at each of two resolutions
 
     # Views.

@@ -63,7 +63,7 @@ def answers(
     for photo, camera in zip(photos, cameras, strict=True):
         size = (photo.labels.shape[0], photo.labels.shape[1])
         logits = segmenter.logits(photo.image, camera)
-        yield confusion(labels_of(logits, size, openings=True), photo.labels), logits
+        yield confusion(labels_of(logits, size, openings=True), photo.learned), logits
 
 
 def train_network(
