@@ -30,6 +30,7 @@ from plan2scene.camera import Camera
 from plan2scene.house import DEFAULT_HEIGHT, House
 from plan2scene.io import read_json
 from plan2scene.photos.labels.palette import (
+    AMODAL,
     PROBABILITIES,
     SPOTS_FILE,
     TURNS_FILE,
@@ -124,13 +125,16 @@ def locate_house(
         if kind == "truth":
             for value, label in truth.values.items():
                 labels = np.where(labels == value, label, labels).astype(np.uint8)
-        probable = folder / "masks" / PROBABILITIES / path.name
-        own = kind == "own" and probable.exists()
+        probabilities, amodal = (
+            read_probability_png(file) if kind == "own" and file.exists() else None
+            for file in (folder / "masks" / of / path.name for of in (PROBABILITIES, AMODAL))
+        )
         shots[photo] = Shot(
             Camera.from_json(cameras[photo]),
             labels,
             (truth.room_id,) if rooms_known else rooms,
-            read_probability_png(probable) if own else None,
+            probabilities,
+            amodal=amodal,
         )
     spots, turns = (
         {(a, b): k for a, b, k in read_stage_json(folder / "masks" / file, "spots")}

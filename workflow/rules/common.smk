@@ -378,7 +378,7 @@ def label_model():
     if source not in ("embedded", "imagenet"):
         return {}
     own = config["models"].get("segmentation") and not config["models"].get("kinds")
-    names = ["segmentation", *([] if own else ["kinds"])]
+    names = ["segmentation", "amodal", *([] if own else ["kinds"])]
     names += ["segmentation_imagenet"] if source == "imagenet" else []
     return {name: model_of(name) for name in names}
 

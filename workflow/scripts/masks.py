@@ -22,6 +22,7 @@ with job(snakemake.log[0]) as log:
             model=params.models.get("segmentation"),
             imagenet=params.models.get("segmentation_imagenet"),
             kinds=params.models.get("kinds"),
+            amodal=params.models.get("amodal"),
             things=things,
             precomputed_dir=params.masks_folder,
             pretrained=params.pretrained,

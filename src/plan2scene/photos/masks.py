@@ -26,6 +26,7 @@ from plan2scene.photos.camera.lines import (
 )
 from plan2scene.photos.labels.labeller import Labeller
 from plan2scene.photos.labels.palette import (
+    AMODAL,
     CEILING,
     FLOOR,
     KINDS_FILE,
@@ -73,7 +74,8 @@ def make_masks(
     becomes a warning and is left out. A focal length in EXIF data that is not used becomes a
     warning, too. `label` makes the labeller; it is not called for a house without photos.
     `out_dir` is replaced as a whole: ``{stem}.png`` labels at the size that `read_photo` gives,
-    ``probabilities/{stem}.png`` where the source of labels gives them, ``cameras.json``,
+    ``probabilities/{stem}.png`` and ``amodal/{stem}.png`` where the source of labels gives them,
+    ``cameras.json``,
     ``segments.parquet``, ``kinds.json``, ``turns.json``, ``spots.json``,
     ``likeness.json``, ``warnings.json`` (``docs/conventions.md``).
 
@@ -190,10 +192,9 @@ def _label_photo(
     plain = without_openings(labelled.labels)
     camera = estimate_camera(image, plain, fov_deg=fov_deg, exif=exif, segments=segments)
     write_label_png(folder / f"{Path(name).stem}.png", labelled.labels)
-    if labelled.probabilities is not None:
-        write_probability_png(
-            folder / PROBABILITIES / f"{Path(name).stem}.png", labelled.probabilities
-        )
+    for of, likely in ((PROBABILITIES, labelled.probabilities), (AMODAL, labelled.amodal)):
+        if likely is not None:
+            write_probability_png(folder / of / f"{Path(name).stem}.png", likely)
     lines = [f"photo {name}: {line}" for line in _focal_warnings(camera, exif)]
     kinds = labeller.kinds(image) if find_rooms and labeller.kinds else np.zeros(0)
     bare = np.isin(plain, (FLOOR, CEILING)).mean() <= _OF_A_ROOM  # else it may be a conservatory

@@ -13,6 +13,9 @@ from plan2scene.house import Opening, Wall
 from plan2scene.io import read_json, write_json
 from plan2scene.photos.camera.calibration import canonical
 from plan2scene.photos.labels.palette import (
+    FLOOR,
+    OTHER,
+    WALL,
     WINDOW,
     read_probability_png,
     without_openings,
@@ -79,6 +82,35 @@ def test_probabilities_round_trip(tmp_path):
     write_probability_png(tmp_path / "b.png", values[:5])
     with pytest.raises(InputError, match="rows of 6 labels"):
         read_probability_png(tmp_path / "b.png")
+
+
+def test_amodal_labels_tell_where_furnished_rooms_are():
+    """Furniture, which hides all but a strip of ceiling, leaves no heading without them."""
+    house = box_house()
+    bare, true = shot(house, *VIEWS[0])
+    behind = np.eye(6, dtype=np.float32)[bare.labels].transpose(2, 0, 1)
+    hidden = np.where(np.arange(len(bare.labels))[:, None] > 20, OTHER, bare.labels)
+    seen = np.eye(6, dtype=np.float32)[hidden].transpose(2, 0, 1)
+    photos = {
+        "without.jpg": replace(bare, labels=hidden, probabilities=seen),
+        "with.jpg": replace(bare, labels=hidden, probabilities=seen, amodal=behind),
+    }
+    np.testing.assert_array_equal(photos["without.jpg"].structure, seen)
+    poses = {name: locate_shots(house, {name: one}).poses[name] for name, one in photos.items()}
+    assert np.abs(poses["with.jpg"].eye - VIEWS[0][1]).max() < 0.2
+    assert poses["with.jpg"].located > poses["without.jpg"].located
+    assert (true.matrix[2] @ poses["with.jpg"].camera.matrix[2]) > 0.99
+
+
+def test_what_furniture_hides_is_taken_from_amodal_labels():
+    photo, _ = shot(box_house(), *VIEWS[0])
+    seen, behind = np.zeros((2, 6, 4, 8), np.float32)
+    seen[FLOOR], seen[OTHER] = 0.3, 0.7
+    behind[WALL], behind[WINDOW] = 0.25, 0.75
+    mixed = replace(photo, probabilities=seen, amodal=behind[:, ::2]).structure
+    expected = {FLOOR: 0.3, WALL: 0.7 * 0.25, WINDOW: 0.7 * 0.75}
+    for label, plane in enumerate(mixed):
+        np.testing.assert_allclose(plane, expected.get(label, 0.0), atol=1e-6)
 
 
 def test_cameras_json_round_trip(tmp_path):

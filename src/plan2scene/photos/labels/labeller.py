@@ -34,6 +34,8 @@ class Labelled:
     #: (6, h', w') float32 in [0, 1], of lower resolution: the probability of each label, doors and
     #: windows included; None from a source that does not give these.
     probabilities: np.ndarray | None = None
+    #: The same for what the photo would show without furniture (amodal); None if unknown.
+    amodal: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
@@ -80,6 +82,7 @@ def labeller(
     model: str | Path | None = None,
     imagenet: str | Path | None = None,
     kinds: str | Path | None = None,
+    amodal: str | Path | None = None,
     things: bool = False,
     precomputed_dir: str | Path | None = None,
     pretrained: Mapping[str, str | None] | None = None,
@@ -90,8 +93,9 @@ def labeller(
     """Return the labeller of a source, one of :data:`SOURCES`.
 
     ``embedded`` needs the safetensors file `model`. `kinds` is the file of the classifier of rooms,
-    which reads the maps of that network. ``imagenet`` also needs the file `imagenet` of a network
-    that is averaged with those of `model` (extra ``rooms``). ``precomputed`` needs the folder of
+    which reads the maps of that network, `amodal` that of the network of amodal labels.
+    ``imagenet`` also needs the file `imagenet` of a network that is averaged with those of `model`
+    (extra ``rooms``). ``precomputed`` needs the folder of
     ``{stem}.png``; ``pretrained`` the fields of `pretrained.Checkpoint`. With `things` (for any
     source) the things in a room also show its use (extra ``rooms``). With `openings` doors are
     labelled 4 and windows 5 if the source labels them; else they are other. `threads` is the
@@ -116,7 +120,8 @@ def labeller(
         ade20k = load_pretrained(Checkpoint(**pretrained))
         found = Labeller(lambda _photo, image, _camera: Labelled(ade20k.labels(image)))
     else:
-        found = _embedded(str(model), imagenet if source == "imagenet" else None, kinds, openings)
+        imagenet = imagenet if source == "imagenet" else None
+        found = _embedded(str(model), imagenet, kinds, amodal, openings)
     return _by_things(found) if things else found
 
 
@@ -135,14 +140,20 @@ def _by_things(other: Labeller) -> Labeller:
 
 
 def _embedded(
-    model: str, imagenet: str | Path | None, kinds: str | Path | None, openings: bool
+    model: str,
+    imagenet: str | Path | None,
+    kinds: str | Path | None,
+    amodal: str | Path | None,
+    openings: bool,
 ) -> Labeller:
     """Return the labeller of the networks of `model` and, if given, `imagenet`.
 
-    The classifier `kinds` finds the use of rooms from the networks of `model` alone.
+    The classifier `kinds` finds the use of rooms from the networks of `model` alone; `amodal` finds
+    what is behind the furniture.
     """
     from plan2scene.photos.labels.kinds import load_kinds
     from plan2scene.photos.labels.segmentation import (
+        AMODAL_SCALES,
         Segmenter,
         labels_of,
         load_segmenter,
@@ -153,13 +164,18 @@ def _embedded(
     if imagenet:
         further = cast("SegmentationNet", load_segmenter(imagenet).network)
         segmenter = Segmenter(own.network, further)
+    behind = load_segmenter(amodal) if amodal else None
 
     def label(_photo: str, image: np.ndarray, camera: Camera | None) -> Labelled:
         logits = segmenter.logits(image, camera)
         size, opened = (image.shape[0], image.shape[1]), segmenter.opened(logits)
         labels = labels_of(opened if openings else logits, size, openings=openings)
-        tells = len(logits) == len(LABELS_AND_OPENINGS)
-        return Labelled(labels, probabilities_of(opened) if tells else None)
+        probabilities = unfurnished = None
+        if len(logits) == len(LABELS_AND_OPENINGS):
+            probabilities = probabilities_of(opened)
+        if behind:
+            unfurnished = probabilities_of(behind.logits(image, camera, AMODAL_SCALES))
+        return Labelled(labels, probabilities, unfurnished)
 
     tell = load_kinds(kinds, own) if kinds else None
     return Labeller(label, segmenter.draft if segmenter.network.elevation else None, tell)

@@ -32,7 +32,9 @@ IGNORE = 255
 KINDS_FILE, TURNS_FILE, SPOTS_FILE = "kinds.json", "turns.json", "spots.json"
 LIKENESS_FILE = "likeness.json"
 KINDS = ("Reception", "Bedroom", "Kitchen", "Bathroom", "Corridor", "Closet")
-PROBABILITIES = "probabilities"  #: Folder in a masks folder with the probability of each label
+#: Folders in a masks folder with the probability of each label: of what a photo shows, and of what
+#: it would show without furniture (amodal).
+PROBABILITIES, AMODAL = "probabilities", "amodal"
 #: sRGB colour of each label in the palette PNG and in overlays.
 PALETTE = (
     (128, 128, 128),

@@ -52,6 +52,7 @@ Network = SegmentationNet | Ensemble
 STRIDE = 32  #: Input height and width are multiples of this (the encoder's coarsest stride)
 SCALES = (0.8, 1.5, 2.8)  #: Input sizes of a photo, relative to the network's `long_side`
 DRAFT_SCALE = 1.5  #: Input size for a draft
+AMODAL_SCALES = (0.8, 1.5)  #: Input sizes for amodal labels, whose borders need not be exact
 #: Median grey value in [0, 1] to which dimmer photos are brightened before they are labelled.
 MEDIAN = 0.45
 
@@ -126,13 +127,15 @@ class Segmenter:
         logits = self._seen(self.members[:1], image, None, (DRAFT_SCALE,))
         return labels_of(logits, (image.shape[0], image.shape[1]))
 
-    def logits(self, image: np.ndarray, camera: Camera | None) -> np.ndarray:
+    def logits(
+        self, image: np.ndarray, camera: Camera | None, scales: Sequence[float] = SCALES
+    ) -> np.ndarray:
         """Return (labels, h', w') float32 logits of a photo at half of its largest input size.
 
-        The network's logit adjustment of surfaces is added, and the sum is divided by its
-        temperature. Arguments as in :meth:`labels`.
+        `scales` are the input sizes, small to large. The network's logit adjustment of surfaces is
+        added, and the sum is divided by its temperature. Arguments as in :meth:`labels`.
         """
-        return self._seen(self.members, image, camera, SCALES)
+        return self._seen(self.members, image, camera, scales)
 
     def opened(self, logits: np.ndarray) -> np.ndarray:
         """Return the `logits` of :meth:`logits` with the logit adjustment of doors and windows.

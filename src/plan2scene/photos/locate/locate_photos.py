@@ -13,6 +13,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import cv2
 import numpy as np
 
 from plan2scene.camera import Camera
@@ -21,9 +22,11 @@ from plan2scene.house import House
 from plan2scene.io import atomic_path, write_json
 from plan2scene.parallel import each
 from plan2scene.photos.labels.palette import (
+    AMODAL,
     DOOR,
     KINDS_FILE,
     LIKENESS_FILE,
+    OTHER,
     PROBABILITIES,
     SPOTS_FILE,
     TURNS_FILE,
@@ -64,6 +67,23 @@ class Shot:
     probabilities: np.ndarray | None = None
     #: Other evidence of the room; None if the photo table gives the room.
     hints: PhotoEvidence | None = None
+    #: Like `probabilities`, for what the photo would show without furniture; None if unknown.
+    amodal: np.ndarray | None = None
+
+    @property
+    def structure(self) -> np.ndarray | None:
+        """Probabilities (6, h', w') by which a photo is located; None if they are unknown.
+
+        They are those of the visible labels; that of other, which furniture has, is divided among
+        the labels as the amodal ones are. So empty rooms are located by what photos show.
+        """
+        if self.probabilities is None or self.amodal is None:
+            return self.probabilities
+        size = self.probabilities.shape[:0:-1]
+        behind = np.stack([cv2.resize(part, size) for part in self.amodal])
+        shown = self.probabilities.copy()
+        shown[OTHER] = 0
+        return np.asarray(shown + self.probabilities[OTHER] * behind / behind.sum(axis=0))
 
 
 @dataclass(frozen=True)
@@ -232,9 +252,10 @@ def _best(searches: Sequence[RoomSearch], prior: HeightPrior) -> list[Hypothesis
 
 def view_of(shot: Shot, table: np.ndarray, quarters: int) -> View:
     """Return a photo's profiles; `table` is that of `log_table`, `quarters` those of `Spot`."""
+    structure = shot.structure
 
     def profile(blur: float) -> Profile:
-        return make_profile(shot.labels, shot.camera, table, blur, shot.probabilities)
+        return make_profile(shot.labels, shot.camera, table, blur, structure)
 
     return View(profile(LOCATE.coarse_blur), profile(LOCATE.fine_blur), quarters)
 
@@ -306,13 +327,17 @@ def read_shots(
             named = fitting_rooms(house, stem) if name_hints else {}
             hints = PhotoEvidence(kinds=np.array(kind) if kind else None, named=named)
             told_by[name] = [kinds["source"]] * bool(kind) + ["name"] * bool(named)
-        likely = folder / PROBABILITIES / f"{stem}.png"
+        likely = [
+            read_probability_png(path, house_id=house.id) if path.exists() else None
+            for path in (folder / of / f"{stem}.png" for of in (PROBABILITIES, AMODAL))
+        ]
         shots[name] = Shot(
             cameras[name],
             read_label_png(folder / f"{stem}.png", house_id=house.id, openings=True),
             tuple(dict.fromkeys(rooms_of_photo[name] or anywhere)),
-            read_probability_png(likely, house_id=house.id) if likely.exists() else None,
+            likely[0],
             hints,
+            likely[1],
         )
     turns, spots = (
         {(a, b): int(quarters) for a, b, quarters in read_stage_json(folder / file, "spots")}
