@@ -13,7 +13,7 @@ from plan2scene.errors import InputError
 from plan2scene.images import write_png
 from plan2scene.io import read_json
 from plan2scene.photos.labels import palette as masks
-from plan2scene.photos.labels.labeller import labeller
+from plan2scene.photos.labels.labeller import Labelled, Labeller, labeller
 from plan2scene.photos.masks import make_masks
 from plan2scene.photos.photo_files import read_photo
 
@@ -126,6 +126,17 @@ def test_what_looks_taken_from_outside_shows_a_room_by_its_floor(tmp_path: Path)
     make_masks(photos, lambda: ready, tmp_path / "out", house_id="h")
     found = read_json(tmp_path / "out" / "kinds.json")["photos"]
     assert found == {"room.png": kinds.tolist(), "garden.png": [0.0] * len(masks.KINDS)}
+
+
+def test_probabilities_of_visible_and_amodal_labels_are_written_apart(tmp_path: Path) -> None:
+    write_png(tmp_path / "a.png", np.kron(_photo(), np.ones((5, 5, 1), np.uint8)))
+    seen, behind = (np.zeros((6, 6, 8), np.float32) for _ in range(2))
+    seen[masks.OTHER], behind[masks.WALL] = 1, 1
+    ready = Labeller(lambda *_: Labelled(_labels(300, 400), seen, behind))
+    make_masks({"a.png": tmp_path / "a.png"}, lambda: ready, tmp_path / "out", house_id="h")
+    for folder, expected in ((masks.PROBABILITIES, seen), (masks.AMODAL, behind)):
+        found = masks.read_probability_png(tmp_path / "out" / folder / "a.png")
+        np.testing.assert_array_equal(found, expected)
 
 
 @pytest.mark.parametrize(

@@ -170,12 +170,12 @@ def _embedded(
         logits = segmenter.logits(image, camera)
         size, opened = (image.shape[0], image.shape[1]), segmenter.opened(logits)
         labels = labels_of(opened if openings else logits, size, openings=openings)
-        probabilities = unfurnished = None
-        if len(logits) == len(LABELS_AND_OPENINGS):
-            probabilities = probabilities_of(opened)
+        if len(logits) != len(LABELS_AND_OPENINGS):
+            return Labelled(labels)
+        unfurnished = None
         if behind:
             unfurnished = probabilities_of(behind.logits(image, camera, AMODAL_SCALES))
-        return Labelled(labels, probabilities, unfurnished)
+        return Labelled(labels, probabilities_of(opened), unfurnished)
 
     tell = load_kinds(kinds, own) if kinds else None
     return Labeller(label, segmenter.draft if segmenter.network.elevation else None, tell)
