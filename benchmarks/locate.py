@@ -5,7 +5,7 @@ Below the table are the true ceiling heights, and those that photos give without
     python benchmarks/locate.py RESULTS --synthetic ROOT [--split test] [--masks own truth]
     python benchmarks/locate.py RESULTS --flat FOLDER [--flat FOLDER ...] [--masks own truth]
 
-``--without-rooms`` searches all rooms for each photo, as for a photo table without rooms;
+``--without-rooms`` finds the rooms of the photos, too, as for a photo table without rooms;
 ``--without-windows`` removes the windows from the plans, because many plans draw none.
 
 RESULTS (``results/{dataset}``) has the houses' scene.json and masks; only the location is computed
@@ -26,16 +26,8 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from plan2scene.camera import Camera
 from plan2scene.house import DEFAULT_HEIGHT, House
 from plan2scene.io import read_json
-from plan2scene.photos.labels.palette import (
-    AMODAL,
-    PROBABILITIES,
-    SPOTS_FILE,
-    TURNS_FILE,
-    read_probability_png,
-)
 from plan2scene.photos.locate.ceilings import ceiling_height
 from plan2scene.photos.locate.likelihood import OPENING
 from plan2scene.photos.locate.locate_photos import Shot, locate_shots, read_shots
@@ -43,7 +35,6 @@ from plan2scene.photos.locate.pose import LOCATED
 from plan2scene.plans.levels import with_ceilings
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.plans.usual_windows import with_usual_windows
-from plan2scene.stage_json import read_stage_json
 
 #: A heading is right if its error is smaller than this, degrees.
 RIGHT_DEG = 30.0
@@ -114,33 +105,13 @@ def locate_house(
     house = read_scene_json(folder / "scene.json", name)
     if not windows_drawn:
         house = with_usual_windows(without_windows(house))
-    rooms = tuple(room.id for room in house.rooms)
-    cameras = read_json(folder / "masks" / "cameras.json")
-    shots = {}
-    for photo in sorted(set(truths) & set(cameras)):
-        path = folder / "masks" / f"{Path(photo).stem}.png"
-        truth = truths[photo]
-        with Image.open(path if kind == "own" else truth.mask) as image:
-            labels = np.array(image)
-        if kind == "truth":
-            for value, label in truth.values.items():
-                labels = np.where(labels == value, label, labels).astype(np.uint8)
-        probabilities, amodal = (
-            read_probability_png(file) if kind == "own" and file.exists() else None
-            for file in (folder / "masks" / of / path.name for of in (PROBABILITIES, AMODAL))
-        )
-        shots[photo] = Shot(
-            Camera.from_json(cameras[photo]),
-            labels,
-            (truth.room_id,) if rooms_known else rooms,
-            probabilities,
-            amodal=amodal,
-        )
-    spots, turns = (
-        {(a, b): k for a, b, k in read_stage_json(folder / "masks" / file, "spots")}
-        for file in (SPOTS_FILE, TURNS_FILE)
-    )
-    poses = locate_shots(house, shots, same_spot=spots, same_things=turns).poses
+    masks = folder / "masks"
+    rooms = {photo: [truth.room_id] * rooms_known for photo, truth in truths.items()}
+    read = read_shots(house, rooms, masks, name_hints=False)
+    shots = read.shots
+    if kind == "truth":
+        shots = {photo: _with_true_labels(shot, truths[photo]) for photo, shot in shots.items()}
+    poses = locate_shots(house, shots, read.spots, read.turns, read.alike).poses
     found = [Found(photo, 0.0, False, float("nan")) for photo in sorted(set(shots) - set(poses))]
     for photo, pose in poses.items():
         ahead, truth = pose.camera.matrix[2], truths[photo]
@@ -150,6 +121,15 @@ def locate_house(
         error = float(np.linalg.norm((pose.eye - np.array(truth.position))[[0, 2]]))
         found.append(Found(photo, pose.located, right, error))
     return found
+
+
+def _with_true_labels(shot: Shot, truth: Truth) -> Shot:
+    """Return a photo with its true mask in place of the labels that the networks found."""
+    with Image.open(truth.mask) as image:
+        labels = np.array(image)
+    for value, label in truth.values.items():
+        labels = np.where(labels == value, label, labels).astype(np.uint8)
+    return replace(shot, labels=labels, probabilities=None, amodal=None)
 
 
 def without_windows(house: House) -> House:
