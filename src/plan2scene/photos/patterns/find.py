@@ -217,7 +217,8 @@ def _mosaic(views: Sequence[FloorView], tiled: float) -> FoundPattern | None:
     if confidence < FIND.believed:
         return None
     # A shift by half a diagonal separates the lines of both directions, half a side only of one, so
-    # a diagonal scores twice. So do 3 diagonals, or 3 squares by 1: the smaller diagonal is taken.
+    # a diagonal scores twice. So do 3 diagonals, and 3 squares by 1 (sqrt(5) diagonals): if a
+    # smaller diagonal scores, too, it is taken; if both do, the one for 3 squares by 1.
     k = int(pooled.argmax())
     for times in (3.0, np.sqrt(5.0)):
         middle = int(pooled.argmax()) - round(100 * np.log(times))
