@@ -16,7 +16,7 @@ from plan2scene.images import read_image, write_png
 from plan2scene.io import read_parquet, write_json
 from plan2scene.materials import random_material
 from plan2scene.paint.estimate import PaintPrior
-from plan2scene.paint.light import relight
+from plan2scene.paint.light import repainted
 from plan2scene.paint.surfaces import read_paint
 from plan2scene.stage_json import read_stage_json
 from plan2scene.textures.crops import Crop
@@ -150,7 +150,7 @@ class _House:
         paints, _ = read_paint(self.paint)
         if source in paints:
             photo_colour = np.maximum(srgb_to_linear(median_colour(image)), 1e-3)
-            image = relight(image, paints[source] / photo_colour, knee=0.88)
+            image = repainted(image, paints[source] / photo_colour, knee=0.88)
         sizes = [crop.size_m for crop in crops if np.isfinite(crop.size_m)]
         size_m = float(np.median(sizes)) if sizes else float(source_entry.get("size_m", 1.0))
         return _Tile(image, size_m, source_entry.get("substance"))

@@ -25,6 +25,7 @@ import numpy as np
 
 from plan2scene.colour import (
     CLIPPED_LEVELS,
+    LUMINANCE,
     as_uint8,
     from_log_axes,
     linear_to_srgb,
@@ -98,6 +99,9 @@ GAINS = GainLimits()
 _CLIPPED = float(srgb_to_linear(np.array(CLIPPED_LEVELS[1] / 255.0)))
 #: Least linear value of a channel that colours are divided by.
 _BLACK = 1e-3
+#: Largest ratio of two channels' gains at which channels are scaled (light gives 2.5 at most).
+#: Beyond it, noise of a nearly black channel would become blotches of its colour.
+_TURNED = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -290,6 +294,20 @@ def relight(image: np.ndarray, gains: np.ndarray, knee: float = GAINS.knee) -> n
     return np.asarray(cv2.LUT(image, as_uint8(linear_to_srgb(table))[:, None]))
 
 
+def repainted(image: np.ndarray, gains: np.ndarray, knee: float = GAINS.knee) -> np.ndarray:
+    """Return a texture (h, w, 3) uint8 sRGB in another paint: its linear RGB times `gains` (3,).
+
+    It is as by :func:`relight`. Where the gains differ by more than light does, the texture gets
+    one hue and keeps the brightness of its pattern.
+    """
+    if gains.max() > _TURNED * gains.min():
+        bright = srgb_to_linear(image) @ LUMINANCE
+        colour = gains * np.maximum(srgb_to_linear(median_colour(image)), _BLACK)
+        one_hue = colour * (bright / max(float(np.median(bright)), _BLACK))[..., None]
+        return as_uint8(linear_to_srgb(np.minimum(one_hue, _CLIPPED)))
+    return relight(image, gains, knee)
+
+
 def _bent(values: np.ndarray, gain: float, knee: float) -> np.ndarray:
     """Return linear values times a gain; beyond the knee a curve maps them to below `_CLIPPED`.
 
@@ -321,4 +339,4 @@ def recoloured(
     """
     before = median_colour(image) if median is None else median
     wanted, own = (np.maximum(srgb_to_linear(c), _BLACK) for c in (colour, before))
-    return relight(image, wanted / own)
+    return repainted(image, wanted / own)

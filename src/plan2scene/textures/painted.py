@@ -16,7 +16,6 @@ import cv2
 import numpy as np
 
 from plan2scene.colour import (
-    LUMINANCE,
     RENDER,
     as_uint8,
     from_log_axes,
@@ -30,7 +29,7 @@ from plan2scene.images import jpeg_bytes, read_image, write_png
 from plan2scene.io import atomic_directory, write_json
 from plan2scene.mesh.texture_files import texture_index
 from plan2scene.paint.estimate import PaintPrior
-from plan2scene.paint.light import relight
+from plan2scene.paint.light import repainted
 from plan2scene.paint.surfaces import (
     TRIM,
     door_paints,
@@ -60,9 +59,6 @@ LOUD = 0.12
 UPRIGHT = (0.3, 0.15)
 PATTERNED = ("tile", "wood")  #: Substances whose patterns are not stains
 _BLACK = 1e-3  #: Least linear value of a texture's median
-#: Largest ratio of two channels' factors at which channels are scaled (light gives 2.5 at most).
-#: Beyond it, noise of a nearly black channel would become blotches of its colour.
-_TURNED = 3.0
 #: Carpets with weaker :func:`stains` have no pattern, only wear and light: .005 to .05 in three
 #: real homes (development). The faint dots of a carpet in the demo have .10.
 PLAIN_CARPET = 0.07
@@ -184,11 +180,11 @@ def paint_textures(
     entries |= {key: entries[key] | {"source": "as the use of the room asks"} for key in outside}
     with atomic_directory(out_dir) as folder:
         for key, tile in tiles.items():
-            bare = plains[key].image if key in plains else repainted(tile, gains[key])
+            bare = plains[key].image if key in plains else repainted(tile, gains[key], knee=_KNEE)
             write_png(folder / f"{key.filename}.png", bare)
             whole = root / f"{key.filename}.jpg"
             if whole.is_file() and key not in plains.keys() | stand_ins.keys() | panels.keys():
-                lit = repainted(read_image(whole), gains[key])
+                lit = repainted(read_image(whole), gains[key], knee=_KNEE)
                 (folder / whole.name).write_bytes(jpeg_bytes(lit, quality=_QUALITY))
         write_json(folder / "doors.json", doors)
         if trim:
@@ -347,7 +343,8 @@ def _plain_carpets(
     for key in sorted(tiles):
         if key.kind == "floor" and entries[key].get("substance") == "carpet":
             size_m = float(entries[key]["size_m"])
-            image, px_per_m = repainted(tiles[key], gains[key]), len(tiles[key]) / size_m
+            px_per_m = len(tiles[key]) / size_m
+            image = repainted(tiles[key], gains[key], knee=_KNEE)
             if stains(image, px_per_m) < PLAIN_CARPET:
                 image, pattern = plain(image, srgb_to_linear(median_colour(image)), px_per_m)
                 made[key] = _Tile(image, size_m, "carpet", pattern)
@@ -367,19 +364,6 @@ def _open_air_tiles(
             image = np.full_like(image, as_uint8(linear_to_srgb(colour)))
         made[key] = _Tile(image, size_m, substance, pattern)
     return made
-
-
-def repainted(image: np.ndarray, gains: np.ndarray) -> np.ndarray:
-    """Return a texture (h, w, 3) uint8 sRGB with its linear RGB times `gains` (3,).
-
-    Where the gains of the channels differ much, only the brightness of its pattern is kept.
-    """
-    if gains.max() > _TURNED * gains.min():
-        bright = srgb_to_linear(image) @ LUMINANCE
-        paint = gains * np.maximum(srgb_to_linear(median_colour(image)), _BLACK)
-        one = paint * (bright / max(float(np.median(bright)), _BLACK))[..., None]
-        return as_uint8(linear_to_srgb(np.minimum(one, _PLAIN.brightest)))
-    return relight(image, gains, knee=_KNEE)
 
 
 def plain(image: np.ndarray, colour: np.ndarray, px_per_m: float) -> tuple[np.ndarray, float]:

@@ -1,10 +1,13 @@
 """Light of a house's photos: what the estimate recovers, and what it leaves alone."""
 
 import numpy as np
+import pytest
 
 from plan2scene.colour import (
     CLIPPED_LEVELS,
+    as_uint8,
     delta_e_2000,
+    linear_to_srgb,
     median_colour,
     rgb_to_lab,
     srgb_to_linear,
@@ -95,3 +98,17 @@ def test_one_table_recolours_every_pixel():
     image = np.random.default_rng(0).integers(60, 120, (16, 16, 3), dtype=np.uint8)
     colour = np.array([0.5, 0.3, 0.6])
     np.testing.assert_allclose(median_colour(recoloured(image, colour)), colour, atol=0.01)
+
+
+def test_a_red_carpet_that_becomes_green_has_no_blotches():
+    """Its green and blue are nearly black, so that they are noise alone."""
+    rng = np.random.default_rng(0)
+    bright = rng.uniform(0.6, 1.4, (64, 64, 1))
+    linear = bright * [0.2, 0.0, 0.01] + rng.uniform(-0.004, 0.004, (64, 64, 3))
+    tile = as_uint8(linear_to_srgb(np.maximum(linear, 0.0)))
+    green = np.array([0.05, 0.2, 0.15])
+    painted = srgb_to_linear(recoloured(tile, linear_to_srgb(green)))
+    assert np.median(painted, axis=(0, 1)) == pytest.approx(green, rel=0.1)
+    of_red = painted / painted[..., :1]
+    assert of_red.std(axis=(0, 1)) == pytest.approx(np.zeros(3), abs=0.1)
+    assert np.corrcoef(painted[..., 1].ravel(), bright.ravel())[0, 1] > 0.95
