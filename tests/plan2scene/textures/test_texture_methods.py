@@ -337,7 +337,7 @@ def test_unobserved_surfaces_take_the_nearest_exemplar_of_the_house(files):
     table = pd.read_parquet(files / "propagated.parquet")
     tone = np.array([0.75, 0.8, 0.8])  # not far from the hall's 200
     near = np.r_[np.zeros(8), tone].astype(np.float32)
-    far = np.r_[np.zeros(8), 0.0, 0.0, 1.0].astype(np.float32)
+    far = np.r_[np.zeros(8), 0.2, 0.3, 0.6].astype(np.float32)
     codes = {("bed2", "floor"): near, ("hall", "floor"): near, ("bath", "floor"): far}
     keys = [(row.room_id, row.surface) for row in table.itertuples()]
     old = dict(zip(keys, table["embedding"], strict=True))
@@ -348,7 +348,13 @@ def test_unobserved_surfaces_take_the_nearest_exemplar_of_the_house(files):
     median = median_colour(read_image(folder / "bed2_floor.png"))
     assert np.abs(median - tone).max() < 0.01
     assert surfaces["bed2/floor"]["size_m"] == surfaces["hall/floor"]["size_m"]
-    # However far the predicted colour is: the house's own grain is nearer than a decoded one.
+    # Blue tiles are not of the material of grey ones, but blue paint is the grain of white paint.
+    assert surfaces["bath/floor"]["source"].startswith("made up: ")
+    image = read_image(folder / "bath_floor.png")
+    assert median_colour(image) == pytest.approx([0.2, 0.3, 0.6], abs=0.02)
+    table.loc[table["surface"] == "floor", "substance"] = "plaster"
+    write_parquet(files / "propagated.parquet", table, {"house": "h1"})
+    _, surfaces = _make(files, "exemplar", out="plaster")
     assert surfaces["bath/floor"]["source"].startswith("exemplar of ")
 
 

@@ -4,8 +4,9 @@ An observed surface gets a tile of its own crops. Surfaces that share a material
 one pattern of all its crops, each in its own colour. A house repeats its materials, so an
 unobserved surface, or one whose crops all differ from the colour of its pixels, takes another
 surface's exemplar in its own colour: the one that its prediction copies, else the nearest embedding
-among those of the same kind of surface and substance. If an unobserved surface finds none, a
-procedural tile of the predicted substance is made. A floor that is predicted to be tiled takes no
+among those of the same kind of surface and substance. Paint has any colour, but a floor of another
+colour is of another material: if an unobserved surface finds none, a procedural tile of the
+predicted substance is made. A floor that is predicted to be tiled takes no
 exemplar of a floor whose photos show no joints, except a copied one. An embedding is decoded if the
 surface's crops are all too poor, or all of another colour in a house without an exemplar of the
 kind. Each tile's source says how it was made.
@@ -165,9 +166,14 @@ def _nearest(
     unobserved surface takes no others. A floor without joints takes that of another such floor.
     """
     kind = surface.key.surface
-    pool = [key for key in own if key.surface == kind]
     code = _code(surface)
     tone = np.clip(code[-3:], 0.0, 1.0) if surface.tone is None else surface.tone
+    away = {
+        key: colour_difference(tile.image, tone) for key, tile in own.items() if key.surface == kind
+    }
+    any_colour = surface.observed or surface.substance == PLAIN
+    most = math.inf if any_colour else EXEMPLAR.alike_de
+    pool = [key for key in away if away[key] <= most]
     if not pool:
         if surface.observed:
             return NoTile(f"no exemplar of a {kind} in the house")
@@ -185,8 +191,7 @@ def _nearest(
     pool = candidates or pool
     distances = [np.abs(_code(surfaces[key]) - code).mean() for key in pool]
     nearest = pool[int(np.argmin(distances))]
-    away = colour_difference(own[nearest].image, tone)
-    source = f"exemplar of {nearest.room_id}, {away:.1f} dE2000 to the predicted colour"
+    source = f"exemplar of {nearest.room_id}, {away[nearest]:.1f} dE2000 to the predicted colour"
     return replace(own[nearest], image=recoloured(own[nearest].image, tone), source=source)
 
 
