@@ -5,7 +5,7 @@ python benchmarks/trace.py [--listings FOLDER [--copies]] [--plans 60] [--opened
 
 With --listings, real listings are traced first: FOLDER/HOME/plan.* with FOLDER/HOME.json (the
 truth) and FOLDER/score.py, which prints the figures of a traced plan. With --copies, a table shows
-the figures for changed copies of the pictures (smaller, larger, turned, on more paper) instead.
+the figures for changed copies of the pictures (smaller, turned, photographed and others) instead.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from PIL import Image
+from PIL import Image, ImageOps
 from scipy.optimize import linear_sum_assignment
 from shapely.geometry import Polygon
 
@@ -217,6 +217,33 @@ def on_paper(image: Image.Image) -> Image.Image:
     return page
 
 
+def photographed(image: Image.Image) -> Image.Image:
+    """Return a phone's photo of a printed picture, held obliquely over a table in uneven light."""
+    size = (3000, 2250) if image.width > image.height else (2250, 3000)
+    page = ImageOps.expand(image, round(0.05 * max(image.size)), "white")
+    sides = np.array(page.size) / max(page.size)
+    corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * sides / 2
+    turn = cv2.Rodrigues(np.radians([[20.0], [-12.0], [4.0]]))[0]
+    points = np.c_[corners, np.zeros(4)] @ turn.T + [0, 0, 1.25]
+    places = points[:, :2] / points[:, 2:] * 0.75 * max(size) + np.array(size) / 2
+    own = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32) * np.array(page.size, np.float32)
+    move = cv2.getPerspectiveTransform(own, places.astype(np.float32))
+    table = np.full((size[1], size[0], 3), (95, 75, 60), np.uint8)
+    how = cv2.INTER_AREA, cv2.BORDER_TRANSPARENT
+    photo = cv2.warpPerspective(np.asarray(page), move, size, table, *how).astype(np.float32)
+    photo *= np.linspace(0.6, 0.95, size[0])[None, :, None] * [1.0, 0.96, 0.88]
+    photo = cv2.GaussianBlur(photo, (0, 0), 0.8) + generator(0, "photo").normal(0, 3, photo.shape)
+    return Image.fromarray(np.clip(photo, 0, 255).astype(np.uint8))
+
+
+def on_screen(image: Image.Image) -> Image.Image:
+    """Return a picture between the dark bars of a screenshot."""
+    width, height = image.size
+    screen = Image.new("RGB", (round(1.1 * width), round(1.25 * height)), (32, 32, 32))
+    screen.paste(image, (width // 20, height // 8))
+    return screen
+
+
 COPIES = {
     "as it is": lambda image: image,
     "half": lambda image: image.resize((image.width // 2, image.height // 2), Image.LANCZOS),
@@ -225,6 +252,8 @@ COPIES = {
     ),
     "on more paper": on_paper,
     "turned": lambda image: image.rotate(3, expand=True, fillcolor="white", resample=Image.BICUBIC),
+    "photographed": photographed,
+    "on a screen": on_screen,
 }
 
 

@@ -15,6 +15,7 @@ from plan2scene.errors import InputError
 from plan2scene.images import read_reduced_image
 from plan2scene_app.tracing.regions import Regions
 from plan2scene_app.tracing.settings import DOOR, OUTSIDE, ROOM, SETTINGS
+from plan2scene_app.tracing.sheet import Sheet, find_sheet
 
 
 @dataclass(frozen=True)
@@ -22,11 +23,13 @@ class PlanPicture:
     """A picture (h, w, 3) uint8 sRGB of a file, cut to what is drawn with little paper around it.
 
     A pixel of it is `shrunk` pixels of the file; `corner` (x, y) in the file is its upper left one.
+    Where the picture shows a `sheet`, its pixels at the file's resolution stand for the file's.
     """
 
     image: np.ndarray
     shrunk: float
     corner: tuple[float, float] = (0.0, 0.0)
+    sheet: Sheet | None = None  #: in pixels of the file
 
 
 def read_plan_picture(path: str | Path) -> PlanPicture:
@@ -36,6 +39,10 @@ def read_plan_picture(path: str | Path) -> PlanPicture:
         expected = f"a plan of at least {SETTINGS.least_side_px} pixels a side"
         raise InputError(expected, f"{width}x{height}", file=path)
     reduced = max(height, width) / max(image.shape[:2])
+    sheet = find_sheet(image)
+    if sheet is not None:
+        image = sheet.straightened(image)
+        sheet = sheet.enlarged(reduced)
     rows, columns = _printed(image)
     image = image[rows, columns]
     zoom = min(1.0, SETTINGS.long_side_px / max(image.shape[:2]))
@@ -46,7 +53,7 @@ def read_plan_picture(path: str | Path) -> PlanPicture:
     if high - low < SETTINGS.contrast:
         raise InputError("a picture of a floorplan", "an empty page", file=path)
     corner = columns.start * reduced, rows.start * reduced
-    return PlanPicture(image, reduced / zoom, corner)
+    return PlanPicture(image, reduced / zoom, corner, sheet)
 
 
 def _printed(image: np.ndarray) -> tuple[slice, slice]:

@@ -91,6 +91,7 @@ from plan2scene_app.tracing.scale import (
 )
 from plan2scene_app.tracing.segmenter import PlanSegmenter, load_plan_segmenter
 from plan2scene_app.tracing.settings import MODEL, OUTSIDE, PLAN_LABELS, ROOM, SETTINGS
+from plan2scene_app.tracing.sheet import Sheet
 from plan2scene_app.tracing.thin_walls import with_thin_walls
 
 #: Least width of an opening of each kind, metres.
@@ -111,13 +112,15 @@ class TracedPlan:
     openings: tuple[TracedOpening, ...]
     scale: Scale  #: of the frame's pixels
     wall_px: float
-    shrunk: float  #: pixels of the file for one of the picture
-    corner: tuple[float, float]  #: upper left corner of the picture in the file, pixels (x, y)
+    #: Pixels of the file (of its straightened sheet, if it shows one) for one of the picture.
+    shrunk: float
+    corner: tuple[float, float]  #: upper left corner of the picture there, pixels (x, y)
     sure: float  #: mean probability of what was found
     read: bool  #: whether text was read
     storeys: tuple[Storey, ...] = ()  #: the lowest first; none for a plan of one drawing
     flights: tuple[TracedFlight, ...] = ()
     left_out: int = 0  #: number of drawings that show no home
+    sheet: Sheet | None = None  #: the sheet of paper that the file shows
 
     @property
     def metres(self) -> float:
@@ -130,7 +133,7 @@ class TracedPlan:
         return self.metres * self.frame.zoom / self.shrunk
 
     def in_file(self, points: np.ndarray) -> np.ndarray:
-        """Return points (n, 2) of the frame in the file's pixels."""
+        """Return points (n, 2) of the frame in pixels of the file, or of its straightened sheet."""
         return self.frame.to_picture(points) * self.shrunk + self.corner
 
 
@@ -201,6 +204,7 @@ def trace_picture(
         tuple(storeys),
         tuple(flights_of(treads, rooms, storeys, metres)),
         seen.left_out,
+        picture.sheet,
     )
 
 
@@ -473,7 +477,10 @@ def plan_origin(plan: TracedPlan) -> np.ndarray:
 
 
 def place_in_picture(plan: TracedPlan, file: str) -> dict[str, Any]:
-    """Return where the plan's metres lie in the file's pixels (`picture` in the schema)."""
+    """Return where the plan's metres lie in the file's pixels (`picture` in the schema).
+
+    If the file shows a sheet, these are pixels of the straightened sheet.
+    """
 
     def pixel(point: np.ndarray) -> np.ndarray:
         return plan.in_file(point[None])[0]
@@ -492,7 +499,12 @@ def place_in_picture(plan: TracedPlan, file: str) -> dict[str, Any]:
         "metres_per_pixel": round(plan.file_metres, 7),
         "turned": round(float(np.degrees(np.arctan2(step[1], step[0]))), 3),
         **({"levels": levels} if levels else {}),
+        **({"sheet": _corners_of(plan.sheet)} if plan.sheet else {}),
     }
+
+
+def _corners_of(sheet: Sheet) -> dict[str, Any]:
+    return {"corners": sheet.corners.round(2).tolist(), "size": list(sheet.size)}
 
 
 def _level_id(place: int) -> str:
@@ -591,6 +603,8 @@ def doubts(plan: TracedPlan) -> Iterator[str]:
             f"the scale is {scale.source} ({centimetres:.3g} cm a pixel, {scale.confidence:.0%} "
             "sure): give --metres-per-pixel"
         )
+    if plan.sheet is not None:
+        yield "the picture shows a sheet or a window with a plan: only that is read, straightened"
     if plan.sure < SETTINGS.least_sure[0]:
         yield f"the picture as a whole: {plan.sure:.0%} sure of what it shows"
     if not plan.read:

@@ -1,0 +1,195 @@
+"""Find the sheet of paper, or the window of a screenshot, that a picture of a plan shows.
+
+A photo of a printed plan shows the table around it, and opposite edges of the sheet are not
+parallel. A screenshot has dark bars around the plan. Both are undone before the plan is read.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from scipy import ndimage
+
+
+@dataclass(frozen=True)
+class SheetSettings:
+    """Constants of :func:`find_sheet`. Source: set by hand on changed copies of four real plans."""
+
+    side_px: int = 640  #: longer side that the picture is reduced to
+    least_area: float = 0.25  #: least share of the picture that the sheet covers
+    around: float = 0.04  #: least share of the picture around it: less is a frame line
+    fits: float = 0.96  #: least overlap (IoU) of the bright area, without its holes, and a quad
+    darker: float = 40.0  #: least difference in grey value between the sheet and what is around it
+    edge: float = 0.03  #: width of the sheet's margin, share of its shorter side, ...
+    bare: float = 0.85  #: ... and least share of it that is bright: little is drawn there
+    longest: float = 5.0  #: largest ratio of its sides
+    inset: float = 0.006  #: what is cut off at each edge, share of the sheet: its shadow
+    blocks: int = 24  #: rows and columns of blocks in which the light on the paper is measured
+    paper: float = 90.0  #: percentile of a block's pixels that is bare paper
+    unlike: float = 0.08  #: blocks this much darker than the light (logarithm) are drawn on
+    #: Focal length of a phone over the photo's longer side, where the edges do not tell it; and
+    #: the range in which it is believed.
+    focal: float = 0.75
+    focals: tuple[float, float] = (0.5, 1.5)
+
+
+SHEET = SheetSettings()
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """The corners of a sheet in a picture, and the size that it has when seen from above."""
+
+    #: (4, 2) float64, pixels (x, y): upper left, upper right, lower right, lower left
+    corners: np.ndarray
+    size: tuple[int, int]  #: width and height, pixels
+
+    @property
+    def to_picture(self) -> np.ndarray:
+        """Return the homography (3, 3) from pixels of the straightened sheet to the picture's."""
+        width, height = self.size
+        own = np.array([[0, 0], [width, 0], [width, height], [0, height]], np.float32)
+        return np.asarray(cv2.getPerspectiveTransform(own, self.corners.astype(np.float32)))
+
+    def straightened(self, image: np.ndarray) -> np.ndarray:
+        """Return the sheet (h, w, 3) uint8 as seen from above in even light, its paper white."""
+        how = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+        seen = cv2.warpPerspective(
+            image, self.to_picture, self.size, flags=how, borderMode=cv2.BORDER_REPLICATE
+        )
+        return np.clip(seen * (255.0 / _paper(seen)), 0.0, 255.0).astype(np.uint8)
+
+    def enlarged(self, zoom: float) -> Sheet:
+        """Return the sheet in a copy of the picture that is `zoom` times as large."""
+        width, height = self.size
+        corners = (self.corners + 0.5) * zoom - 0.5
+        return Sheet(corners, (round(width * zoom), round(height * zoom)))
+
+
+def find_sheet(image: np.ndarray) -> Sheet | None:
+    """Return the bright sheet in a picture (h, w, 3) uint8 sRGB; None if there is none.
+
+    It is a bright area with four straight edges and a bare margin, and what is around it is darker.
+    """
+    zoom = min(1.0, SHEET.side_px / max(image.shape[:2]))
+    small = cv2.resize(image, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA)
+    grey = cv2.GaussianBlur(cv2.cvtColor(small, cv2.COLOR_RGB2GRAY), (0, 0), 1.0)
+    _, bright = cv2.threshold(grey, 0, 1, cv2.THRESH_BINARY | cv2.THRESH_OTSU)
+    parts, count = ndimage.label(bright)
+    if not count:
+        return None
+    largest = int(np.bincount(parts.ravel())[1:].argmax()) + 1
+    area = ndimage.binary_fill_holes(parts == largest)
+    quad = _quad(area)
+    if quad is None:
+        return None
+    inside = cv2.fillConvexPoly(np.zeros(grey.shape, np.uint8), np.rint(quad).astype(int), 1) > 0
+    overlap = (inside & area).sum() / max((inside | area).sum(), 1)
+    if not SHEET.least_area <= inside.mean() <= 1.0 - SHEET.around or overlap < SHEET.fits:
+        return None
+    width = max(2, round(SHEET.edge * _sides(quad).min()))
+    depth = cv2.distanceTransform(np.pad(inside, 1).astype(np.uint8), cv2.DIST_L2, 5)[1:-1, 1:-1]
+    margin = inside & (depth > 2) & (depth <= 2 + width)
+    around = ~inside & (ndimage.distance_transform_edt(~inside) > 2)
+    if not margin.any() or not around.any():
+        return None
+    paper = float(np.median(grey[margin]))
+    if paper - float(np.median(grey[around])) < SHEET.darker or bright[margin].mean() < SHEET.bare:
+        return None
+    middle = quad.mean(axis=0)
+    corners = (middle + (quad - middle) * (1.0 - 2.0 * SHEET.inset) + 0.5) / zoom - 0.5
+    across, down = _sides(corners).reshape(2, 2).T.max(axis=1)
+    ratio = _width_over_height(corners, image.shape[:2])
+    if not 1.0 / SHEET.longest < ratio < SHEET.longest:
+        return None
+    height = max(down, across / ratio)
+    return Sheet(corners, (round(height * ratio), round(height)))
+
+
+def _paper(sheet: np.ndarray) -> np.ndarray:
+    """Return the colour (h, w, 3) float32, 0..255, that bare paper has everywhere on a sheet.
+
+    The light is a smooth function of the place: a polynomial of second order in the logarithm.
+    """
+    height, width = sheet.shape[:2]
+    rows, columns = (np.linspace(0, side, SHEET.blocks + 1).astype(int) for side in (height, width))
+    log, place = [], []
+    for k in range(SHEET.blocks):
+        for m in range(SHEET.blocks):
+            block = sheet[rows[k] : rows[k + 1], columns[m] : columns[m + 1]].reshape(-1, 3)
+            if len(block):
+                log.append(np.log(np.maximum(np.percentile(block, SHEET.paper, axis=0), 1.0)))
+                place.append(((k + 0.5) / SHEET.blocks, (m + 0.5) / SHEET.blocks))
+    values, terms = np.array(log), _terms(*np.array(place).T)
+    bare = np.ones(len(values), bool)
+    for _ in range(5):
+        weights = np.linalg.lstsq(terms[bare], values[bare], rcond=None)[0]
+        bare = ((terms @ weights - values) < SHEET.unlike).all(axis=1)
+    y, x = ((np.arange(side) + 0.5) / side for side in (height, width))
+    log_light = _terms(y[:, None] + 0 * x, x + 0 * y[:, None]) @ weights
+    return np.exp(log_light).astype(np.float32)
+
+
+def _terms(y: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Return the terms (..., 6) of a polynomial of second order."""
+    return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1)
+
+
+def _quad(area: np.ndarray) -> np.ndarray | None:
+    """Return the corners (4, 2) of a filled area (h, w) bool, clockwise from the upper left one."""
+    outlines, _ = cv2.findContours(area.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    outline = max(outlines, key=len)
+    hull = cv2.convexHull(outline)
+    around = cv2.arcLength(hull, closed=True)
+    for share in (0.01, 0.02, 0.03, 0.05):
+        rough = cv2.approxPolyDP(hull, share * around, closed=True)[:, 0].astype(float)
+        if len(rough) == 4:
+            break
+    else:
+        return None
+    points = outline[:, 0].astype(float)
+    lines = []
+    for a, b in zip(rough, np.roll(rough, -1, axis=0), strict=True):
+        along = (b - a) / np.linalg.norm(b - a)
+        place, off = (points - a) @ along, np.abs((points - a) @ [-along[1], along[0]])
+        length = np.linalg.norm(b - a)
+        near = points[(off < 0.02 * length) & (place > 0.05 * length) & (place < 0.95 * length)]
+        if len(near) < 8:
+            return None
+        dx, dy, x, y = cv2.fitLine(near.astype(np.float32), cv2.DIST_HUBER, 0, 0.01, 0.01).ravel()
+        lines.append(np.cross([x, y, 1.0], [x + dx, y + dy, 1.0]))
+    corners = np.array([np.cross(lines[k - 1], lines[k]) for k in range(4)])
+    if (np.abs(corners[:, 2]) < 1e-9).any():
+        return None
+    quad = corners[:, :2] / corners[:, 2:]
+    order = np.argsort(np.arctan2(*(quad - quad.mean(axis=0)).T[::-1]))
+    return np.asarray(quad[order])
+
+
+def _sides(quad: np.ndarray) -> np.ndarray:
+    """Return the lengths (4,) of a quad's sides: upper, right, lower, left."""
+    return np.asarray(np.linalg.norm(np.roll(quad, -1, axis=0) - quad, axis=1))
+
+
+def _width_over_height(corners: np.ndarray, shape: tuple[int, int]) -> float:
+    """Return the width over the height of a rectangle from its corners (4, 2) in a photo.
+
+    Zhang, He: Whiteboard scanning and image enhancement (2007, doi:10.1016/j.dsp.2006.05.006); the
+    photo is not cropped, so that its optical axis is in the middle.
+    """
+    height, width = shape
+    longer = max(shape)
+    own = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32)
+    seen = ((corners - [(width - 1) / 2, (height - 1) / 2]) / longer).astype(np.float32)
+    move = cv2.getPerspectiveTransform(own, seen)
+    across, down = move[:, 0], move[:, 1]
+    vanish = across[2] * down[2]
+    focal = SHEET.focal
+    if abs(vanish) > 1e-3:
+        square = -(across[:2] @ down[:2]) / vanish
+        if SHEET.focals[0] ** 2 < square < SHEET.focals[1] ** 2:
+            focal = float(np.sqrt(square))
+    lengths = [np.linalg.norm([v[0] / focal, v[1] / focal, v[2]]) for v in (across, down)]
+    return float(lengths[0] / lengths[1])
