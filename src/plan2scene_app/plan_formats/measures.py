@@ -7,9 +7,11 @@ from collections.abc import Iterable, Sequence
 from statistics import median
 
 _FOOT = 0.3048
+_MAT = 1.62  #: m2 of a tatami mat in Japanese advertisements
 _NUMBER = r"\d{1,5}(?:[.,]\d{1,3})?"
 _AREA = re.compile(
-    rf"({_NUMBER})\s*(m\s?[2²]|m\^2|㎡|qm|mq|sq\.?\s?m|sq\.?\s?ft|sq\.?\s?feet|ft\.?\s?[2²]|sf)(?![a-z])",
+    rf"({_NUMBER})\s*(m\s?[2²]|m\^2|㎡|qm|mq|sq\.?\s?m|sq\.?\s?ft|sq\.?\s?feet"
+    r"|ft\.?\s?[2²]|sf|м\s?[2²]|кв\.?\s?м|[帖畳])(?![a-z])",
     re.IGNORECASE,
 )
 _FEET = re.compile(
@@ -17,7 +19,19 @@ _FEET = re.compile(
     re.IGNORECASE,
 )
 _METRIC = re.compile(rf"^({_NUMBER})\s*(mm|cm|m)?\.?$", re.IGNORECASE)
-_CROSS = re.compile(r"(?<=[\d'\"m”″’ ])\s*[x×X*]\s*(?=\d)")
+_CROSS = re.compile(r"(?<=[\d'\"m”″’ ])\s*(?:[x×X*]|\bby\b)\s*(?=\d)", re.IGNORECASE)
+#: A length within a text; two of them; what is written beside them; a part in brackets.
+_LENGTH = (
+    r"""(?:\d{1,3}\s*(?:'|’|′|`|ft\.?|feet)\s*-?\s*(?:\d{1,2}(?:[.,]\d)?\s*(?:"|''|”|″|“|in\.?)?)?"""
+    rf"|{_NUMBER}\s*(?:mm|cm|m)?)(?![\d.,]*\d)"
+)
+_PAIR = re.compile(rf"(?<![\d.,])~?\s*{_LENGTH}\s*(?:[x×X*]|\bby\b)\s*{_LENGTH}", re.IGNORECASE)
+_NOTES = re.compile(
+    r"\b(?:max(?:imum)?|min(?:imum)?|approx(?:imately)?|overall|at (?:the )?widest(?: point)?"
+    r"|into (?:the )?(?:bay|recess|alcoves?|wardrobes?))\b\.?",
+    re.IGNORECASE,
+)
+_BRACKETS = re.compile(r"[(\[]([^)\]]*)[)\]]?")
 _SMALL = re.compile(r"^\d{1,2}(?:[.,]\d{1,2})?$")
 _HALL = 6.5  #: m; rooms of a home have a smaller median side
 #: Possible lengths (metres) and areas (m2) in homes.
@@ -28,7 +42,7 @@ def read_areas(text: str) -> list[tuple[float, float]]:
     """Return each area in a text in m2, and the value in m2 of one in its last digit."""
     areas = []
     for number, unit in _AREA.findall(text):
-        square = _FOOT**2 if "f" in unit.lower() else 1.0
+        square = _MAT if unit in "帖畳" else _FOOT**2 if "f" in unit.lower() else 1.0
         value, digit = (square * part for part in _value(number))
         if _AREAS[0] <= value <= _AREAS[1]:
             areas.append((value, digit))
@@ -71,8 +85,26 @@ def in_two_units(pairs: Sequence[tuple[float, float]]) -> bool:
 def read_sides(text: str) -> list[tuple[float, float]]:
     """Return the pairs of sides of a room, in metres, that a text may mean.
 
-    Small numbers without a unit give two pairs: read as metres, then as decimal feet.
+    Small numbers without a unit give two pairs: read as metres, then as decimal feet. What stands
+    in brackets repeats the sides in another unit; it is read only if nothing else gives sides.
     """
+    plain = _NOTES.sub(" ", text)
+    for part in (_BRACKETS.sub(" ", plain), *_BRACKETS.findall(plain)):
+        pair = _PAIR.search(part)
+        sides = _sides_of(pair[0]) if pair else []
+        if sides:
+            return sides
+    return []
+
+
+def without_measures(text: str) -> str:
+    """Return a text without its areas and sides: the name of a room beside them."""
+    plain = _NOTES.sub(" ", text)
+    plain = _BRACKETS.sub(lambda part: " " if re.search(r"\d", part[1]) else part[0], plain)
+    return " ".join(_PAIR.sub(" ", _AREA.sub(" ", plain)).split()).strip(" ,;:~-")
+
+
+def _sides_of(text: str) -> list[tuple[float, float]]:
     plain = re.sub(r"\s*(mm|cm|m|ft)\.?$", r"\1", text.strip(" ~"), flags=re.IGNORECASE)
     parts = _CROSS.split(plain)
     if len(parts) != 2:

@@ -22,7 +22,12 @@ from skimage.measure import find_contours
 from plan2scene.house import OPEN_AIR
 from plan2scene.plans.room_names import room_types
 from plan2scene_app.ids import free_id
-from plan2scene_app.plan_formats.measures import read_areas, read_length, read_sides
+from plan2scene_app.plan_formats.measures import (
+    read_areas,
+    read_length,
+    read_sides,
+    without_measures,
+)
 from plan2scene_app.tracing.lettering import TextLine
 from plan2scene_app.tracing.openings import TracedOpening, edge_of, edges_of
 from plan2scene_app.tracing.regions import Regions
@@ -382,7 +387,7 @@ def _name_of(lines: Sequence[TextLine]) -> str:
             continue
         if last is not None:
             name += " " if _stacked(last, line) else " / "
-        name, last = name + line.text, line
+        name, last = name + without_measures(line.text), line
     return name
 
 
@@ -397,9 +402,9 @@ def _stacked(one: TextLine, other: TextLine) -> bool:
 
 
 def _is_name(text: str) -> bool:
-    """Return whether a text has a word and is no measure."""
+    """Return whether a text has a word and is no measure; "Kitchen 12 m2" names a room, too."""
     if read_areas(text) or read_length(text) or read_sides(text):
-        return False
+        return bool(room_types(without_measures(text)))
     return bool(re.search(r"[^\W\d_]{2,}", text.replace(".", "")))
 
 

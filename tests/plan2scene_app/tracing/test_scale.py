@@ -2,7 +2,12 @@
 
 import pytest
 
-from plan2scene_app.plan_formats.measures import read_areas, read_length, read_sides
+from plan2scene_app.plan_formats.measures import (
+    read_areas,
+    read_length,
+    read_sides,
+    without_measures,
+)
 from plan2scene_app.tracing.scale import (
     RoomSize,
     chain_evidence,
@@ -49,6 +54,9 @@ def test_lengths(text, metres):
         ("6.2 sqm", 6.2, 0.1),
         ("215 sq ft", 19.97, 0.0929),
         ("100 ft²", 9.29, 0.0929),
+        ("12,3 м2", 12.3, 0.1),
+        ("12,3 кв. м", 12.3, 0.1),
+        ("洋室 6.0帖", 9.72, 0.162),
     ],
 )
 def test_areas(text, square_metres, digit):
@@ -71,10 +79,33 @@ def test_what_is_no_area(text):
         ("3200x4100", (3.2, 4.1)),
         ("~11.7× 12.1", (3.566, 3.688)),
         ("11 x 11.6", (3.353, 3.536)),
+        ("3.81m x 3.10m (12'6\" x 10'2\")", (3.81, 3.1)),
+        ("12'6\" (3.81m) x 10'2\" (3.10m)", (3.81, 3.0988)),
+        ("(12'6\" x 10'2\")", (3.81, 3.0988)),
+        ("12'6 max x 10'2 into bay", (3.81, 3.0988)),
+        ("Bedroom 2 3.81m by 3.10m", (3.81, 3.1)),
     ],
 )
 def test_sides(text, sides):
     assert any(found == pytest.approx(sides, rel=1e-3) for found in read_sides(text))
+
+
+@pytest.mark.parametrize("text", ["Bedroom 2", "Suite 2x", "3.81m x", "2 4"])
+def test_what_gives_no_sides(text):
+    assert read_sides(text) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        ("Lounge 4.2m x 3.1m (13'9 x 10'2)", "Lounge"),
+        ("Wohnen 21,37 qm", "Wohnen"),
+        ("Bedroom 1 (rear)", "Bedroom 1 (rear)"),
+        ("12'6 max x 10'2", ""),
+    ],
+)
+def test_a_name_beside_its_measures(text, name):
+    assert without_measures(text) == name
 
 
 #: Metres of a pixel in these tests.

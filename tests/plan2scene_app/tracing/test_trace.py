@@ -42,8 +42,7 @@ def texts(monkeypatch):
     lines = [
         TextLine("Wohnzimmer", (150.0, 200.0), (80.0, 12.0), 0.99),
         TextLine("20,0 m²", (150.0, 220.0), (60.0, 12.0), 0.99),
-        TextLine("Küche", (350.0, 200.0), (50.0, 12.0), 0.99),
-        TextLine("19.4 m2", (350.0, 220.0), (60.0, 12.0), 0.99),
+        TextLine("Küche 19.4 m2", (350.0, 200.0), (90.0, 12.0), 0.99),
     ]
     monkeypatch.setattr(trace, "reader_installed", lambda: True)
     monkeypatch.setattr(trace, "read_lines", lambda image: lines)
