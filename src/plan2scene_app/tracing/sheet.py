@@ -21,6 +21,8 @@ class SheetSettings:
     least_area: float = 0.25  #: least share of the picture that the sheet covers
     around: float = 0.04  #: least share of the picture around it: less is a frame line
     fits: float = 0.96  #: least overlap (IoU) of the bright area, without its holes, and a quad
+    #: Largest share of what is around it that is as bright: more is a second panel on a page.
+    others: float = 0.15
     darker: float = 40.0  #: least difference in grey value between the sheet and what is around it
     edge: float = 0.03  #: width of the sheet's margin, share of its shorter side, ...
     bare: float = 0.85  #: ... and least share of it that is bright: little is drawn there
@@ -95,8 +97,9 @@ def find_sheet(image: np.ndarray) -> Sheet | None:
     around = ~inside & (ndimage.distance_transform_edt(~inside) > 2)
     if not margin.any() or not around.any():
         return None
-    paper = float(np.median(grey[margin]))
-    if paper - float(np.median(grey[around])) < SHEET.darker or bright[margin].mean() < SHEET.bare:
+    darker = float(np.median(grey[margin]) - np.median(grey[around]))
+    bare, others = bright[margin].mean(), bright[around].mean()
+    if darker < SHEET.darker or bare < SHEET.bare or others > SHEET.others:
         return None
     middle = quad.mean(axis=0)
     corners = (middle + (quad - middle) * (1.0 - 2.0 * SHEET.inset) + 0.5) / zoom - 0.5

@@ -72,7 +72,10 @@ def test_pictures_without_a_sheet_stay_as_they_are():
     empty = np.full((300, 300, 3), 255, np.uint8)
     strip = np.full((200, 900, 3), 40, np.uint8)
     strip[40:160, 60:840] = 250
-    for picture in (flat, 255 - flat, framed, round_table, noise, empty, 0 * empty, strip):
+    panels = np.full((400, 1100, 3), 90, np.uint8)  # two storeys on a dark page
+    panels[25:375, 25:525] = flat
+    panels[50:295, 600:950] = cv2.resize(flat, (350, 245))
+    for picture in (flat, 255 - flat, framed, panels, round_table, noise, empty, 0 * empty, strip):
         assert find_sheet(picture) is None
 
 
