@@ -81,8 +81,9 @@ def guessed(results: Path, name: str, seed: int) -> tuple[Colours, dict[SurfaceK
     estimate = estimate_paint(one)
     paint = {key: estimate.paint[same] for key, same in owner.items()}
     white = frozenset(key for key, same in owner.items() if same in estimate.white)
-    whites = plain_whites(paint, white, shown.keys() - observed.keys())
-    gains = paint_gains(shown, paint, whites, np.exp(PaintPrior().white[0]) * np.ones(3))
+    unseen = shown.keys() - observed.keys()
+    whites = plain_whites(paint, white, unseen)
+    gains = paint_gains(shown, paint, whites, np.exp(PaintPrior().white[0]) * np.ones(3), unseen)
     expected = {
         key: expected_error(key, seen=key in paint, coloured=key in paint and key not in white)
         for key in shown

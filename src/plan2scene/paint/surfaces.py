@@ -251,11 +251,13 @@ def paint_gains(
     paint: Mapping[SurfaceKey, np.ndarray],
     whites: Collection[SurfaceKey],
     usual_white: Sequence[float],
+    guessed: Collection[SurfaceKey] = (),
 ) -> dict[SurfaceKey, np.ndarray]:
     """Return the factors (3,) on linear RGB that give the texture of each surface its paint.
 
     A surface of known paint gets that paint; those in `whites` get white. Each other surface gets
-    the factor of the most similar texture of known paint, of its own kind if there is one.
+    the factor of the most similar texture of known paint, of its own kind if there is one. This
+    factor is the light of photos, so textures of the surface's own photos come first.
 
     Parameters
     ----------
@@ -267,6 +269,8 @@ def paint_gains(
         As from :func:`plain_whites`.
     usual_white : (3,) float
         Linear reflectance of white paint.
+    guessed
+        Surfaces whose texture shows no crop of their own.
     """
     factors = {key: paint[key] / shown[key] for key in shown if key in paint}
     gains = {}
@@ -274,7 +278,8 @@ def paint_gains(
         if key in factors:
             gains[key] = factors[key]
             continue
-        observed = [other for other in factors if other.surface == key.surface]
+        of_kind = [other for other in factors if other.surface == key.surface]
+        observed = [other for other in of_kind if other not in guessed] or of_kind
         if key in whites:
             gains[key] = np.asarray(usual_white) / shown[key]
         else:

@@ -146,7 +146,7 @@ def paint_textures(
         key: np.maximum(srgb_to_linear(median_colour(tile)), _BLACK) for key, tile in tiles.items()
     }
     white = np.exp(PaintPrior().white[0]) * np.ones(3)
-    gains = paint_gains(tile_colours, paints, whites, white)
+    gains = paint_gains(tile_colours, paints, whites, white, unseen)
     photos, rooms = read_seen_photos(paint), {key.room_id for key in entries}
     for key in unseen - paints.keys():
         stone = key.kind == "floor" and entries[key].get("substance") != "wood"

@@ -307,6 +307,14 @@ def test_an_unseen_floor_is_lit_like_the_floor_that_looks_alike():
     paint = {key("a", "floor"): 1.5 * oak, key("b", "floor"): 4.0 * slate}
     gains = paint_gains(shown, paint, set(), [0.8] * 3)
     assert gains[key("c", "floor")] == pytest.approx([1.5] * 3)
+    # The texture of a floor whose crops are all too poor is a guess: its factor is no light.
+    shown[key("d", "floor")], paint[key("d", "floor")] = 0.9 * oak, 5.0 * oak
+    gains = paint_gains(shown, paint, set(), [0.8] * 3, {key("c", "floor"), key("d", "floor")})
+    assert gains[key("c", "floor")] == pytest.approx([1.5] * 3)
+    assert gains[key("d", "floor")] * shown[key("d", "floor")] == pytest.approx(5.0 * oak)
+    only = {key(name, "floor"): shown[key(name, "floor")] for name in "cd"}
+    gains = paint_gains(only, {key("d", "floor"): 5.0 * oak}, set(), [0.8] * 3, set(only))
+    assert gains[key("c", "floor")] == pytest.approx([5.0 / 0.9] * 3)
 
 
 def test_evidence_is_said_in_words():
