@@ -24,6 +24,7 @@ class SheetSettings:
     #: Largest share of what is around it that is as bright: more is a second panel on a page.
     others: float = 0.15
     darker: float = 40.0  #: least difference in grey value between the sheet and what is around it
+    blank: float = 0.6  #: least share of it that is bright: less are light walls on a dark page
     edge: float = 0.03  #: width of the sheet's margin, share of its shorter side, ...
     bare: float = 0.85  #: ... and least share of it that is bright: little is drawn there
     longest: float = 5.0  #: largest ratio of its sides
@@ -98,8 +99,8 @@ def find_sheet(image: np.ndarray) -> Sheet | None:
     if not margin.any() or not around.any():
         return None
     darker = float(np.median(grey[margin]) - np.median(grey[around]))
-    bare, others = bright[margin].mean(), bright[around].mean()
-    if darker < SHEET.darker or bare < SHEET.bare or others > SHEET.others:
+    blank, bare, others = (bright[part].mean() for part in (inside, margin, around))
+    if darker < SHEET.darker or blank < SHEET.blank or bare < SHEET.bare or others > SHEET.others:
         return None
     middle = quad.mean(axis=0)
     corners = (middle + (quad - middle) * (1.0 - 2.0 * SHEET.inset) + 0.5) / zoom - 0.5
