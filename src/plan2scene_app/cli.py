@@ -103,7 +103,12 @@ def common(
 
 @app.command("run")
 def run_house(
-    plan: Annotated[Path, typer.Option(help="Floorplan in any format that is read.")],
+    plan: Annotated[
+        list[Path],
+        typer.Option(
+            help="Floorplan in any format that is read. Give pictures of single storeys one by one."
+        ),
+    ],
     out: Annotated[Path, typer.Option(help="Folder for the results.")],
     photos: Annotated[
         Path | None,
@@ -145,11 +150,12 @@ def run_house(
     printed = "quiet" if quiet else "verbose" if verbose else "lines"
     folder = photos is not None and photos.is_dir()
     request = SingleHouse(
-        plan=plan,
+        plan=plan[0],
+        storeys=tuple(plan[1:]),
         photo_table=None if folder else photos,
         photos_dir=photos if folder else photos_dir,
-        house=_house_id(plan, house),
-        name=house or _house_name(plan),
+        house=_house_id(plan[0], house),
+        name=house or _house_name(plan[0]),
         method=method,
         metres_per_pixel=metres_per_pixel,
         seed=seed,

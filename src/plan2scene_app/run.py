@@ -8,7 +8,7 @@ import io
 import logging
 import shutil
 import sys
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -17,7 +17,7 @@ from typing import Any
 from plan2scene.datasets.assignments import read_assignment
 from plan2scene.datasets.house_table import COLUMNS
 from plan2scene.errors import InputError, WorkflowError
-from plan2scene.images import decode_image, to_small_srgb
+from plan2scene.images import decode_image, png_bytes, to_small_srgb
 from plan2scene.io import absent, atomic_path, safe_join, write_text
 from plan2scene.photos.labels.imagenet import imagenet_installed
 from plan2scene.plans.formats import read_plan
@@ -89,6 +89,8 @@ class SingleHouse:
     fov_deg: float | None = None
     #: The house's name for people; empty if it is the same as `house`, the id.
     name: str = ""
+    #: Further pictures: each shows another storey of the home.
+    storeys: tuple[Path, ...] = ()
 
 
 def is_picture(request: SingleHouse) -> bool:
@@ -96,10 +98,20 @@ def is_picture(request: SingleHouse) -> bool:
     return PlanFile(request.plan, request.house).is_picture
 
 
+def plan_files(request: SingleHouse) -> tuple[Path, ...]:
+    """Return the plan, or the pictures of all storeys."""
+    return (request.plan, *request.storeys)
+
+
 def read_input(request: SingleHouse) -> list[str]:
     """Read plan and photos, so that errors are found before any job; return the photos' names."""
     house = None
-    if is_picture(request):
+    if request.storeys:
+        for path in plan_files(request):
+            if not PlanFile(path, request.house).is_picture:
+                raise InputError("a picture of each storey", "a plan of another format", file=path)
+            read_plan_picture(path)
+    elif is_picture(request):
         read_plan_picture(request.plan)
     else:
         if finishes_file(request.plan).is_file():
@@ -111,7 +123,7 @@ def read_input(request: SingleHouse) -> list[str]:
         rows = read_assignment(request.photo_table, house, house_id=request.house)
         names = sorted({row.photo for row in rows})
     elif request.photos_dir is not None:
-        names = photos_in(request.photos_dir, request.plan)
+        names = photos_in(request.photos_dir, plan_files(request))
     else:
         return []
     faults = []
@@ -132,17 +144,17 @@ def read_input(request: SingleHouse) -> list[str]:
     return names
 
 
-def photos_in(folder: Path, plan: Path) -> list[str]:
+def photos_in(folder: Path, plans: Collection[Path]) -> list[str]:
     """Return the names of a folder's photos, sorted.
 
-    Hidden files, the plan, repeated photos, drawings and pages are left out. InputError if there
+    Hidden files, the `plans`, repeated photos, drawings and pages are left out. InputError if there
     is no such folder or no photo in it.
     """
     if not folder.is_dir():
         raise InputError("a folder of photos, or a photo table", absent(folder), file=folder)
     photo_by_stem: dict[str, Path] = {}
     for path in sorted(folder.iterdir()):
-        if path.name.startswith(".") or path.is_dir() or path.samefile(plan):
+        if path.name.startswith(".") or path.is_dir() or any(map(path.samefile, plans)):
             continue
         same = [old for old in photo_by_stem.values() if filecmp.cmp(old, path, shallow=False)]
         same += [photo_by_stem[path.stem]] if path.stem in photo_by_stem else []
@@ -184,7 +196,12 @@ def prepare(request: SingleHouse, names: list[str], work: Path) -> Path:
     photos.mkdir(parents=True, exist_ok=True)
     suffix = ".png" if is_picture(request) else request.plan.suffix or ".json"
     plan = root / f"plan{suffix}"
-    _copy_changed(request.plan, plan)
+    if request.storeys:
+        from plan2scene_app.tracing.drawings import page_of_storeys
+
+        _write_changed(png_bytes(page_of_storeys(plan_files(request))), plan)
+    else:
+        _copy_changed(request.plan, plan)
     _copy_finishes(request.plan, plan)
     assignment = ""
     if request.photo_table is not None or names:
@@ -193,7 +210,7 @@ def prepare(request: SingleHouse, names: list[str], work: Path) -> Path:
     if request.photo_table is not None:
         _copy_changed(request.photo_table, root / assignment)
     elif names:
-        _write_changed(_table_of(names), root / assignment)
+        _write_changed(_table_of(names).encode(), root / assignment)
     with (root / "houses.tsv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, delimiter="\t", lineterminator="\n")
         writer.writerow(COLUMNS)
@@ -217,10 +234,11 @@ def _table_of(names: list[str]) -> str:
     return text.getvalue()
 
 
-def _write_changed(text: str, target: Path) -> None:
-    """Write a text, unless the target already has this content."""
-    if not target.is_file() or target.read_bytes() != text.encode():
-        write_text(target, text)
+def _write_changed(content: bytes, target: Path) -> None:
+    """Write a file, unless the target already has this content."""
+    if not target.is_file() or target.read_bytes() != content:
+        with atomic_path(target) as temporary:
+            temporary.write_bytes(content)
 
 
 def _copy_photos(names: list[str], target: Path, request: SingleHouse) -> None:
@@ -315,7 +333,7 @@ def run(
         raise WorkflowError(f"this installation lacks the workflow: no Snakefile in {WORKFLOW}")
     if request.texture_size not in TEXTURE_SIZES:
         raise InputError(f"a texture size of {TEXTURE_SIZES} pixels", str(request.texture_size))
-    sources = (request.plan, request.photo_table, request.photos_dir)
+    sources = (*plan_files(request), request.photo_table, request.photos_dir)
     inputs = [path for path in sources if path is not None]
     names = read_input(request)
     wanted = (*DELIVERED, *OF_PHOTOS) if names else DELIVERED

@@ -10,6 +10,7 @@ import re
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -17,6 +18,7 @@ from scipy import ndimage
 from scipy.signal import fftconvolve
 
 from plan2scene_app.tracing.lettering import TextLine
+from plan2scene_app.tracing.picture import dark_on_light, read_plan_picture
 from plan2scene_app.tracing.settings import DOOR, ROOM, SETTINGS, STAIRS, WINDOW
 
 #: Words (no accents, lower case) of a caption, by the storey's number; `_` is a space.
@@ -80,6 +82,40 @@ def _overlap(one: Sequence[int], other: Sequence[int]) -> bool:
 
 def _union(one: Sequence[int], other: Sequence[int]) -> list[int]:
     return [*np.minimum(one[:2], other[:2]).tolist(), *np.maximum(one[2:], other[2:]).tolist()]
+
+
+def page_of_storeys(paths: Sequence[Path]) -> np.ndarray:
+    """Return one white page (h, w, 3) uint8 sRGB with the pictures of a home's storeys.
+
+    They stand in the given order, or in that of the storeys that all their file names tell. Those
+    of one size have one scale; others are made equally long. InputError as `read_plan_picture`.
+    """
+    told = [storey_told(path.stem.replace("_", " ")) for path in paths]
+    if None not in told and len(set(told)) == len(told):
+        paths = [path for _, path in sorted(zip(told, paths, strict=True))]
+    pictures = [read_plan_picture(path) for path in paths]
+    images = []
+    one_scale = len({picture.file_size for picture in pictures}) == 1
+    one_scale &= all(picture.sheet is None for picture in pictures)
+    coarsest = max(picture.shrunk for picture in pictures)
+    shortest = min(max(picture.image.shape[:2]) for picture in pictures)
+    for picture in pictures:
+        image = dark_on_light(picture.image)
+        paper = np.maximum(np.percentile(image, 90, axis=(0, 1)), 1.0)
+        image = np.minimum(image * (255.0 / paper), 255.0).astype(np.uint8)
+        zoom = picture.shrunk / coarsest if one_scale else shortest / max(image.shape[:2])
+        images.append(cv2.resize(image, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA))
+    sizes = np.array([image.shape[:2] for image in images])
+    gap = round(SETTINGS.page_gap * float(sizes.max()))
+    axis = int(sizes[:, 1].sum() <= sizes[:, 0].sum())  # 1: side by side, 0: one below the other
+    size = sizes.max(axis=0) + 2 * gap
+    size[axis] = sizes[:, axis].sum() + gap * (len(images) + 1)
+    page = np.full((*size, 3), 255, np.uint8)
+    place = [gap, gap]
+    for image, (height, width) in zip(images, sizes, strict=True):
+        page[place[0] : place[0] + height, place[1] : place[1] + width] = image
+        place[axis] += image.shape[axis] + gap
+    return page
 
 
 def shows_a_home(structure: np.ndarray) -> bool:

@@ -30,6 +30,7 @@ class PlanPicture:
     shrunk: float
     corner: tuple[float, float] = (0.0, 0.0)
     sheet: Sheet | None = None  #: in pixels of the file
+    file_size: tuple[int, int] = (0, 0)  #: height and width of the file, pixels
 
 
 def read_plan_picture(path: str | Path) -> PlanPicture:
@@ -53,7 +54,7 @@ def read_plan_picture(path: str | Path) -> PlanPicture:
     if high - low < SETTINGS.contrast:
         raise InputError("a picture of a floorplan", "an empty page", file=path)
     corner = columns.start * reduced, rows.start * reduced
-    return PlanPicture(image, reduced / zoom, corner, sheet)
+    return PlanPicture(image, reduced / zoom, corner, sheet, (height, width))
 
 
 def _printed(image: np.ndarray) -> tuple[slice, slice]:

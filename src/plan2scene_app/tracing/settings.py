@@ -72,6 +72,7 @@ class TraceSettings:
     # Drawings on one picture.
     drawing_ink: float = 25.0  #: least difference in grey value between paper and ink
     drawing_gap: float = 0.012  #: blank paper between two drawings, share of the longer side
+    page_gap: float = 0.08  #: blank paper between pictures of storeys, share of the longest side
     drawing_size: float = 0.05  #: least area of a drawing's box, share of the largest one's
     most_drawings: int = 6  #: largest number of drawings that are looked at
     drawing_opening_px: int = 12  #: shorter doors and windows do not count for a home, ...

@@ -31,6 +31,36 @@ def test_the_house_table_names_a_picture_whatever_its_name(picture, tmp_path):
     assert (tmp_path / "dataset" / "plan.png").read_bytes() == picture.read_bytes()
 
 
+@pytest.mark.parametrize("names", [("ground floor", "1st_floor"), ("1st_floor", "ground floor")])
+def test_pictures_of_storeys_become_one_page(names, tmp_path, caplog):
+    paths = [tmp_path / f"{name}.png" for name in names]
+    for path, shade in zip(paths, (0, 120) if "ground" in names[0] else (120, 0), strict=True):
+        page = np.full((300, 200, 3), 255, np.uint8)
+        page[60:240, 50:150] = shade
+        page[70:230, 60:140] = 255
+        write_png(path, 255 - page if shade == 0 else page)  # one is light on dark
+    given = replace(request(paths[0]), storeys=(paths[1],), photos_dir=tmp_path)
+    with pytest.raises(InputError, match="no photo in it"):  # both are plans
+        read_input(given)
+    prepare(given, [], tmp_path / "work")
+    made = tmp_path / "work" / "dataset" / "plan.png"
+    page = read_image(made)
+    left, right = page[:, : page.shape[1] // 2], page[:, page.shape[1] // 2 :]
+    assert (page[[0, -1]] == 255).all() and (page[:, [0, -1]] == 255).all()
+    assert left.min() == 0 and right.min() == 120  # the ground floor is the first
+    assert (left.min(axis=2) < 255).sum() == (right.min(axis=2) < 255).sum() == 180 * 100 - 160 * 80
+    before = made.stat().st_mtime_ns
+    prepare(given, [], tmp_path / "work")
+    assert made.stat().st_mtime_ns == before
+
+
+def test_storeys_are_pictures(picture, tmp_path):
+    other = tmp_path / "first.json"
+    other.write_text("{}")
+    with pytest.raises(InputError, match="a picture of each storey"):
+        read_input(replace(request(picture), storeys=(other,)))
+
+
 def test_a_folder_of_photos_is_given_with_a_picture(picture, tmp_path, caplog):
     photos = tmp_path / "photos"
     photos.mkdir()
