@@ -154,7 +154,10 @@ def photos_in(folder: Path, plans: Collection[Path]) -> list[str]:
         raise InputError("a folder of photos, or a photo table", absent(folder), file=folder)
     photo_by_stem: dict[str, Path] = {}
     for path in sorted(folder.iterdir()):
-        if path.name.startswith(".") or path.is_dir() or any(map(path.samefile, plans)):
+        if path.name.startswith(".") or any(map(path.samefile, plans)):
+            continue
+        if path.is_dir():
+            _LOG.warning("folder %s left out: photos lie in %s itself", path.name, folder)
             continue
         same = [old for old in photo_by_stem.values() if filecmp.cmp(old, path, shallow=False)]
         same += [photo_by_stem[path.stem]] if path.stem in photo_by_stem else []

@@ -20,8 +20,14 @@ def test_each_photo_is_shown_in_its_room_and_each_doubt_told(tmp_path):
     table = tmp_path / "photos.csv"
     table.write_text(
         "room_id,photo,probability,of_kind,evidence,guess\nroom,a.png,0.61,0.61,,\nroom,b.png,,,,\n"
-        "store,c.png,0.17,0.4,imagenet name,store\n,<d>.png,,,,\n"
+        "store,c.png,0.17,0.4,imagenet name,store\n,<d>.png,,,,\nroom,f.png,0.55,0.6,,\n"
     )
+    cameras = tmp_path / "cameras.json"
+    shown = {"a.png": {"room": 0.61, "store": 0.31, "": 0.08}, "c.png": {"store": 0.17}}
+    shown["f.png"] = {"room": 0.55, "store": 0.45}
+    shot = {"width": 60, "height": 40, "focal_px": 50.0, "cx": 29.5, "cy": 19.5}
+    shot["rotation"] = np.eye(3).tolist()
+    write_json(cameras, {name: shot | {"rooms": rooms} for name, rooms in shown.items()})
     masks = tmp_path / "masks"
     masks.mkdir()
     write_json(masks / "warnings.json", ["photo e.txt left out: found text"])
@@ -31,14 +37,14 @@ def test_each_photo_is_shown_in_its_room_and_each_doubt_told(tmp_path):
     traced.write_text("rooms room, store: no door\n")
     rooms = tuple(replace(r, name="Attic" if r.id == "store" else "") for r in house.rooms)
     house = replace(house, rooms=rooms)
-    lines = write_doubts(page, tmp_path, DoubtFiles(table, masks, doubts=traced), house=house)
+    files = DoubtFiles(table, masks, cameras, doubts=traced)
+    lines = write_doubts(page, tmp_path, files, house=house)
     assert lines == [
         "plan: rooms room, store: no door",
         "photo e.txt left out: found text",
         "no room is found for <d>.png",
-        "a.png: room? 61% sure",
-        "c.png: Attic? 17% sure, 40% that it is a room of this kind, "
-        "by the things in it and its name; not used",
+        "room or Attic? 55 to 61% sure: a.png, f.png",
+        "Attic? 17% sure, not used: c.png",
         "no photo shows Attic: made like the other rooms",
     ]
     text = page.read_text()
@@ -47,7 +53,9 @@ def test_each_photo_is_shown_in_its_room_and_each_doubt_told(tmp_path):
     assert "<d>.png" not in text
     room, store = text.index('id="room-room"'), text.index('id="room-store"')
     assert room < text.index("b.png <small>as told") < store < text.index('class="doubt">17%')
-    assert 'a.png: <a href="#plan-room">room</a>? 61% sure' in text
+    assert '<a href="#plan-room">room</a> or <a href="#plan-store">Attic</a>? 55 to 61%' in text
+    choice = text[text.index('aria-label="Room of f.png"') :]
+    assert choice.index('"room" selected') < choice.index('"store"') < choice.index('"-"')
     assert 'rooms <a href="#plan-room">room</a>, <a href="#plan-store">Attic</a>: no door' in text
 
 

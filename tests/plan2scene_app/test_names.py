@@ -77,5 +77,5 @@ def test_names_are_shown(house, tmp_path):
     text = (tmp_path / "house.ifc").read_text()
     assert all(f"{ord(letter):04X}" in text for letter in "ח間С") and "k & matplats" in text
     lines = list(doubt_lines(house, [PlacedPhoto("a.jpg", "room_3", 0.5)], [], []))
-    assert lines[0].startswith("a.jpg: Спальня? 50% sure")
+    assert lines[0] == "Спальня? 50% sure: a.jpg"
     assert "no photo shows חדר מגורים, Kök & matplats" in lines[1]

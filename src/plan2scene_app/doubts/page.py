@@ -7,7 +7,7 @@ import csv
 import html
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import cv2
@@ -30,8 +30,10 @@ _PHOTO_SIDE, _PICTURE_SIDE = 300, 1100
 _LETTERS = 0.32
 #: A photo whose room is less probable than this is a doubt.
 SURE = 0.8
-#: Kinds of evidence for a photo's type of room, in words.
-_EVIDENCE = {"embedded": "its look", "imagenet": "the things in it", "name": "its name"}
+#: A room with at least this share of the best one's probability is named beside it.
+_RIVAL = 0.5
+#: More probable rooms than this stand first in the choice of a photo's room.
+_POSSIBLE = 0.05
 
 
 @dataclass(frozen=True)
@@ -42,8 +44,8 @@ class PlacedPhoto:
     room_id: str  #: empty if the photo is in no room
     probability: float | None  #: of the room; None if the photo table gives the room
     unused: bool = False  #: whether the room is only a guess and the photo is not used
-    of_kind: float = 1.0  #: probability of a room of these types
-    evidence: str = ""  #: kinds of evidence for the room's types, separated by spaces
+    #: Other rooms that it may show, the most probable first, with their probability.
+    others: Mapping[str, float] = field(default_factory=dict)
     number: int = 0  #: number of the row; the header has 0
 
 
@@ -59,8 +61,9 @@ class DoubtFiles:
     doubts: str | Path | None = None
 
 
-def read_placed(path: str | Path) -> list[PlacedPhoto]:
-    """Return the rows of the photos.csv that the places stage wrote."""
+def read_placed(path: str | Path, cameras: str | Path | None = None) -> list[PlacedPhoto]:
+    """Return the rows of the photos.csv that the places stage wrote beside its `cameras`.json."""
+    entries = read_stage_json(cameras, "cameras") if cameras else {}
     rows = list(csv.DictReader(read_text(path).splitlines()))
     likely = {
         row["photo"]: Likely(row["room_id"], float(row["probability"]), float(row["of_kind"]))
@@ -73,12 +76,13 @@ def read_placed(path: str | Path) -> list[PlacedPhoto]:
         name, room, guess = row["photo"], row["room_id"], likely.get(row["photo"])
         item = PlacedPhoto(name, room, None, number=number)
         if guess is not None:
+            rooms = entries.get(name, {}).get("rooms", {})
+            others = sorted(rooms.keys() - {room, ""}, key=lambda other: (-rooms[other], other))
             item = replace(
                 item,
                 probability=guess.probability,
                 unused=name not in used,
-                of_kind=guess.of_kind,
-                evidence=row["evidence"],
+                others={other: rooms[other] for other in others},
             )
         placed.append(item)
     return placed
@@ -103,7 +107,7 @@ def write_doubts(
     house : House
         The plan.
     """
-    placed = read_placed(files.table)
+    placed = read_placed(files.table, files.cameras)
     warned = files.masks and Path(files.masks) / "warnings.json"
     left_out = read_stage_json(warned, "warnings") if warned else []
     traced = read_text(files.doubts).splitlines() if files.doubts else []
@@ -173,19 +177,26 @@ def doubt_lines(
     yield from left_out
     if lost and used:
         yield f"no room is found for {', '.join(lost)}"
-    for row in placed:
-        if row.probability is not None and row.probability < SURE:
-            label = labels.get(row.room_id, row.room_id)
-            sure = f"{row.name}: {label}? {row.probability:.0%} sure"
-            if row.of_kind > row.probability:
-                sure += f", {row.of_kind:.0%} that it is a room of this kind"
-            if row.evidence:
-                reasons = [_EVIDENCE.get(word, word) for word in row.evidence.split()]
-                sure += f", by {' and '.join(reasons)}"
-            yield f"{sure}; not used" if row.unused else sure
+    yield from _doubts_of_rooms(placed, labels)
     bare = [labels[room.id] for room in house.rooms if room.id not in used and not room.open_air]
     if used and bare:
         yield f"no photo shows {', '.join(bare)}: made like the other rooms"
+
+
+def _doubts_of_rooms(placed: Sequence[PlacedPhoto], labels: Mapping[str, str]) -> Iterator[str]:
+    """Yield a line for all photos whose room is equally doubtful, those that are not used last."""
+    groups: dict[tuple[bool, str], list[PlacedPhoto]] = {}
+    for row in placed:
+        if row.probability is not None and row.probability < SURE:
+            rivals = [room for room, p in row.others.items() if p >= _RIVAL * row.probability]
+            candidates = [labels.get(room, room) for room in (row.room_id, *rivals[:2])]
+            groups.setdefault((row.unused, " or ".join(candidates)), []).append(row)
+    for (unused, rooms), rows in sorted(groups.items(), key=lambda group: group[0][0]):
+        percents = [round(100 * (row.probability or 0.0)) for row in rows]
+        low, high = min(percents), max(percents)
+        sure = f"{high}% sure" if low == high else f"{low} to {high}% sure"
+        names = ", ".join(row.name for row in rows)
+        yield f"{rooms}? {sure}{', not used' if unused else ''}: {names}"
 
 
 def _linked(line: str, house: House) -> str:
@@ -237,7 +248,10 @@ def _choice(row: PlacedPhoto, house: House) -> str:
     if row.room_id and row.probability is None:
         return ""
     first = "" if row.unused else row.room_id
-    options = {"": "not sure", **house.labels, "-": "no room of this home"}
+    possible = [room for room, p in row.others.items() if p > _POSSIBLE]
+    likely = [room for room in (row.room_id, *possible) if room in house.labels]
+    rooms = {room: house.labels[room] for room in (*likely, *house.labels)}
+    options = {"": "not sure", **rooms, "-": "no room of this home"}
     if first:
         del options[""]
     listed = "".join(

@@ -70,6 +70,7 @@ def test_a_folder_of_photos_is_given_with_a_picture(picture, tmp_path, caplog):
     write_png(photos / "other plan.png", read_image(picture)[8:])
     (photos / "notes.txt").write_text("no photo")
     (photos / ".hidden").write_text("of the system")
+    (photos / "kitchen").mkdir()
     (photos / picture.name).symlink_to(picture)
     given = replace(request(picture), photos_dir=photos)
     names = read_input(given)
@@ -77,6 +78,7 @@ def test_a_folder_of_photos_is_given_with_a_picture(picture, tmp_path, caplog):
     told = "\n".join(caplog.messages)
     assert "other plan.png left out: a drawing or a page" in told
     assert "a.png left out: a copy.png is the same" in told
+    assert "folder kitchen left out" in told
     assert "notes.txt" in told
     prepare(given, names, tmp_path)
     dataset = tmp_path / "dataset"
