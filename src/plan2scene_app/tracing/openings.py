@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -125,6 +125,25 @@ def edge_of(opening: TracedOpening, edges: list[Edge]) -> Edge:
     middle = (np.array(opening.start) + opening.end) / 2
     own = (edge for edge in edges if edge.room == opening.room)
     return min(own, key=lambda edge: edge.distance(middle))
+
+
+def within_walls(
+    openings: Sequence[TracedOpening], polygons: Mapping[int, Polygon], most: float
+) -> list[TracedOpening]:
+    """Return openings, shortened where a wall of their rooms ends up to `most` pixels before."""
+    edges = edges_of(polygons)
+    shortened = []
+    for opening in openings:
+        ends = np.array([opening.start, opening.end])
+        for room in {opening.room, opening.other} & polygons.keys():
+            edge = edge_of(replace(opening, room=room), edges)
+            along, _ = edge.place(ends)
+            beyond = np.clip(along, 0.0, edge.length) - along
+            if abs(np.ptp(along)) > 0.9 * opening.width and np.abs(beyond).max() <= most:
+                ends = ends + beyond[:, None] * edge.way
+        start, end = ((float(x), float(y)) for x, y in ends)
+        shortened.append(replace(opening, start=start, end=end))
+    return shortened
 
 
 def _on_edge(

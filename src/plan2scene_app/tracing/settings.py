@@ -172,6 +172,7 @@ class TraceSettings:
     # Openings.
     opening: float = 0.4  #: m of the narrowest opening that is looked for
     joined: float = 0.2  #: m: two openings on a wall that are nearer are one
+    overhang: float = 0.25  #: an opening that ends at most so far beyond its wall is shortened
     off_wall: float = 0.3  #: m: an opening is no further from an outline than this plus the wall
     open_floor: float = 0.4  #: m: least width of a passage without a wall or symbol
     open_beside: float = 0.4  #: m of floor on both sides of such a passage

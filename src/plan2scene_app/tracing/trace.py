@@ -46,7 +46,7 @@ from plan2scene_app.tracing.ink import (
 from plan2scene_app.tracing.lettering import TextLine, read_lines, reader_installed, without_text
 from plan2scene_app.tracing.named_areas import with_named_areas, without_counters
 from plan2scene_app.tracing.open_rooms import with_open_rooms
-from plan2scene_app.tracing.openings import TracedOpening, find_openings
+from plan2scene_app.tracing.openings import TracedOpening, find_openings, within_walls
 from plan2scene_app.tracing.picture import (
     Frame,
     dark_on_light,
@@ -189,6 +189,7 @@ def trace_picture(
     openings = with_garage_doors(openings, garages, SETTINGS.garage_door / metres)
     openings = without_rails(openings, polygons, open_air)
     openings = with_terrace_doors(openings, open_air, SETTINGS.terrace_door / metres)
+    openings = within_walls(openings, polygons, SETTINGS.overhang / metres)
     kept = tuple(o for o in openings if o.width * metres >= LEAST_WIDTH[o.kind])
     return TracedPlan(
         picture.image,
