@@ -15,7 +15,7 @@ from plan2scene.errors import InputError
 from plan2scene.images import read_reduced_image
 from plan2scene_app.tracing.regions import Regions
 from plan2scene_app.tracing.settings import DOOR, OUTSIDE, ROOM, SETTINGS
-from plan2scene_app.tracing.sheet import Sheet, find_sheet
+from plan2scene_app.tracing.sheet import Sheet, find_sheet, in_even_light
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,9 @@ def read_plan_picture(path: str | Path) -> PlanPicture:
         raise InputError(expected, f"{width}x{height}", file=path)
     reduced = max(height, width) / max(image.shape[:2])
     sheet = find_sheet(image)
-    if sheet is not None:
+    if sheet is None:
+        image = in_even_light(image)
+    else:
         image = sheet.straightened(image)
         sheet = sheet.enlarged(reduced)
     rows, columns = _printed(image)

@@ -1,7 +1,8 @@
 """Find the sheet of paper, or the window of a screenshot, that a picture of a plan shows.
 
-A photo of a printed plan shows the table around it, and opposite edges of the sheet are not
-parallel. A screenshot has dark bars around the plan. Both are undone before the plan is read.
+A photo of a printed plan shows the table around it, opposite edges of the sheet are not parallel,
+and the light varies. A screenshot has dark bars around the plan. All this is undone before the plan
+is read.
 """
 
 from __future__ import annotations
@@ -32,6 +33,12 @@ class SheetSettings:
     blocks: int = 24  #: rows and columns of blocks in which the light on the paper is measured
     paper: float = 90.0  #: percentile of a block's pixels that is bare paper
     unlike: float = 0.08  #: blocks this much darker than the light (logarithm) are drawn on
+    #: A page is photographed in uneven light if that varies by at least `uneven` (logarithm), at
+    #: least the share `paged` of its blocks is bare paper, and this is off by at most `smooth`.
+    uneven: float = 0.1
+    paged: float = 0.8
+    smooth: float = 0.03
+    contrast: float = 1.5  #: power of the brightness over paper's: blurred thin lines are pale
     #: Focal length of a phone over the photo's longer side, where the edges do not tell it; and
     #: the range in which it is believed.
     focal: float = 0.75
@@ -62,7 +69,7 @@ class Sheet:
         seen = cv2.warpPerspective(
             image, self.to_picture, self.size, flags=how, borderMode=cv2.BORDER_REPLICATE
         )
-        return np.clip(seen * (255.0 / _paper(seen)), 0.0, 255.0).astype(np.uint8)
+        return _whitened(seen, _paper(seen))
 
     def enlarged(self, zoom: float) -> Sheet:
         """Return the sheet in a copy of the picture that is `zoom` times as large."""
@@ -112,17 +119,27 @@ def find_sheet(image: np.ndarray) -> Sheet | None:
     return Sheet(corners, (round(height * ratio), round(height)))
 
 
-def _paper(sheet: np.ndarray) -> np.ndarray:
-    """Return the colour (h, w, 3) float32, 0..255, that bare paper has everywhere on a sheet.
+@dataclass(frozen=True)
+class _Paper:
+    """The light on a page: bare paper's colour (h, w, 3) float32, 0..255, at every pixel."""
 
-    The light is a smooth function of the place: a polynomial of second order in the logarithm.
+    colour: np.ndarray
+    bare: float  #: share of the page's blocks that hold bare paper
+    off: float  #: mean difference of these from the colour, logarithm
+    range: float  #: by how much the colour varies over the page, logarithm
+
+
+def _paper(page: np.ndarray) -> _Paper:
+    """Return the light on a page (h, w, 3) uint8.
+
+    It is a smooth function of the place: a polynomial of second order in the logarithm.
     """
-    height, width = sheet.shape[:2]
+    height, width = page.shape[:2]
     rows, columns = (np.linspace(0, side, SHEET.blocks + 1).astype(int) for side in (height, width))
     log, place = [], []
     for k in range(SHEET.blocks):
         for m in range(SHEET.blocks):
-            block = sheet[rows[k] : rows[k + 1], columns[m] : columns[m + 1]].reshape(-1, 3)
+            block = page[rows[k] : rows[k + 1], columns[m] : columns[m + 1]].reshape(-1, 3)
             if len(block):
                 log.append(np.log(np.maximum(np.percentile(block, SHEET.paper, axis=0), 1.0)))
                 place.append(((k + 0.5) / SHEET.blocks, (m + 0.5) / SHEET.blocks))
@@ -132,8 +149,26 @@ def _paper(sheet: np.ndarray) -> np.ndarray:
         weights = np.linalg.lstsq(terms[bare], values[bare], rcond=None)[0]
         bare = ((terms @ weights - values) < SHEET.unlike).all(axis=1)
     y, x = ((np.arange(side) + 0.5) / side for side in (height, width))
-    log_light = _terms(y[:, None] + 0 * x, x + 0 * y[:, None]) @ weights
-    return np.exp(log_light).astype(np.float32)
+    light = _terms(y[:, None] + 0 * x, x + 0 * y[:, None]) @ weights
+    off = np.abs(terms @ weights - values)[bare].mean() if bare.any() else np.inf
+    varies = float(np.ptp(light.mean(axis=2)))
+    return _Paper(np.exp(light).astype(np.float32), float(bare.mean()), float(off), varies)
+
+
+def in_even_light(page: np.ndarray) -> np.ndarray:
+    """Return a page (h, w, 3) uint8 of bare paper in uneven light as white paper.
+
+    Any other picture is returned as it is.
+    """
+    paper = _paper(page)
+    if paper.range < SHEET.uneven or paper.bare < SHEET.paged or paper.off > SHEET.smooth:
+        return page
+    return _whitened(page, paper)
+
+
+def _whitened(page: np.ndarray, paper: _Paper) -> np.ndarray:
+    bright = (page / paper.colour) ** SHEET.contrast
+    return np.clip(255.0 * bright, 0.0, 255.0).astype(np.uint8)
 
 
 def _terms(y: np.ndarray, x: np.ndarray) -> np.ndarray:

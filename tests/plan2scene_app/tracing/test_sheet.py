@@ -9,7 +9,7 @@ from flat_picture import PPM, flat_picture
 
 from plan2scene.images import write_png
 from plan2scene_app.tracing import trace
-from plan2scene_app.tracing.sheet import find_sheet
+from plan2scene_app.tracing.sheet import find_sheet, in_even_light
 from plan2scene_app.tracing.trace import write_trace
 
 PHOTO = (900, 1200)
@@ -50,6 +50,20 @@ def test_a_photographed_sheet_is_seen_from_above_in_even_light(tilt):
     larger = sheet.enlarged(2.0)
     assert larger.size == (2 * sheet.size[0], 2 * sheet.size[1])
     assert larger.corners + 0.5 == pytest.approx(2 * (sheet.corners + 0.5))
+
+
+def test_a_page_without_edges_gets_even_light():
+    page = cv2.resize(flat_picture(), None, fx=2, fy=2)
+    rows, columns = (np.linspace(0, 1, side) for side in page.shape[:2])
+    light = (0.55 + 0.3 * columns[None] + 0.1 * rows[:, None])[..., None] * [1.0, 0.95, 0.85]
+    seen = (page * light).astype(np.uint8)
+    even = in_even_light(seen)
+    assert even[(page == 255).all(axis=2)].min() > 245 and even[(page == 0).all(axis=2)].max() < 6
+    room = cv2.GaussianBlur(
+        np.random.default_rng(0).integers(0, 256, page.shape, np.uint8), (0, 0), 9
+    )
+    for other in (page, 255 - page, room):
+        assert in_even_light(other) is other
 
 
 def test_the_bars_of_a_screenshot_are_cut_off():
