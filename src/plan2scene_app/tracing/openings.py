@@ -135,7 +135,7 @@ def within_walls(
     shortened = []
     for opening in openings:
         ends = np.array([opening.start, opening.end])
-        for room in {opening.room, opening.other} & polygons.keys():
+        for room in sorted({opening.room, opening.other} & polygons.keys()):
             edge = edge_of(replace(opening, room=room), edges)
             along, _ = edge.place(ends)
             beyond = np.clip(along, 0.0, edge.length) - along

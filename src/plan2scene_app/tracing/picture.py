@@ -44,8 +44,9 @@ def read_plan_picture(path: str | Path) -> PlanPicture:
     if sheet is None:
         image = in_even_light(image)
     else:
-        image = sheet.straightened(image)
-        sheet = sheet.enlarged(reduced)
+        fine = min(1.0, 2 * SETTINGS.long_side_px / max(sheet.size))
+        image = sheet.straightened(image, fine)
+        sheet, reduced = sheet.enlarged(reduced), reduced / fine
     rows, columns = _printed(image)
     image = image[rows, columns]
     zoom = min(1.0, SETTINGS.long_side_px / max(image.shape[:2]))

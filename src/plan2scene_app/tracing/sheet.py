@@ -63,11 +63,19 @@ class Sheet:
         own = np.array([[0, 0], [width, 0], [width, height], [0, height]], np.float32)
         return np.asarray(cv2.getPerspectiveTransform(own, self.corners.astype(np.float32)))
 
-    def straightened(self, image: np.ndarray) -> np.ndarray:
-        """Return the sheet (h, w, 3) uint8 as seen from above in even light, its paper white."""
-        how = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+    def straightened(self, image: np.ndarray, zoom: float = 1.0) -> np.ndarray:
+        """Return the sheet (h, w, 3) uint8 as seen from above in even light, its paper white.
+
+        It is `zoom` times as large as `size`.
+        """
+        width, height = (max(1, round(zoom * side)) for side in self.size)
+        own = np.diag([self.size[0] / width, self.size[1] / height, 1.0])
         seen = cv2.warpPerspective(
-            image, self.to_picture, self.size, flags=how, borderMode=cv2.BORDER_REPLICATE
+            image,
+            self.to_picture @ own,
+            (width, height),
+            flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+            borderMode=cv2.BORDER_REPLICATE,
         )
         return _whitened(seen, _paper(seen))
 
@@ -121,9 +129,9 @@ def find_sheet(image: np.ndarray) -> Sheet | None:
 
 @dataclass(frozen=True)
 class _Paper:
-    """The light on a page: bare paper's colour (h, w, 3) float32, 0..255, at every pixel."""
+    """The light on a page."""
 
-    colour: np.ndarray
+    weights: np.ndarray  #: (6, 3) of :func:`_terms`: log of bare paper's colour, 0..255
     bare: float  #: share of the page's blocks that hold bare paper
     off: float  #: mean difference of these from the colour, logarithm
     range: float  #: by how much the colour varies over the page, logarithm
@@ -148,11 +156,9 @@ def _paper(page: np.ndarray) -> _Paper:
     for _ in range(5):
         weights = np.linalg.lstsq(terms[bare], values[bare], rcond=None)[0]
         bare = ((terms @ weights - values) < SHEET.unlike).all(axis=1)
-    y, x = ((np.arange(side) + 0.5) / side for side in (height, width))
-    light = _terms(y[:, None] + 0 * x, x + 0 * y[:, None]) @ weights
-    off = np.abs(terms @ weights - values)[bare].mean() if bare.any() else np.inf
-    varies = float(np.ptp(light.mean(axis=2)))
-    return _Paper(np.exp(light).astype(np.float32), float(bare.mean()), float(off), varies)
+    light = terms @ weights
+    off = np.abs(light - values)[bare].mean() if bare.any() else np.inf
+    return _Paper(weights, float(bare.mean()), float(off), float(np.ptp(light.mean(axis=1))))
 
 
 def in_even_light(page: np.ndarray) -> np.ndarray:
@@ -167,8 +173,13 @@ def in_even_light(page: np.ndarray) -> np.ndarray:
 
 
 def _whitened(page: np.ndarray, paper: _Paper) -> np.ndarray:
-    bright = (page / paper.colour) ** SHEET.contrast
-    return np.clip(255.0 * bright, 0.0, 255.0).astype(np.uint8)
+    y, x = ((np.arange(side) + 0.5) / side for side in page.shape[:2])
+    white = np.empty_like(page)
+    for row in range(len(page)):  # one by one, to save memory
+        colour = np.exp(_terms(np.full_like(x, y[row]), x) @ paper.weights)
+        bright = (page[row] / colour) ** SHEET.contrast
+        white[row] = np.clip(255.0 * bright, 0.0, 255.0)
+    return white
 
 
 def _terms(y: np.ndarray, x: np.ndarray) -> np.ndarray:
