@@ -271,16 +271,35 @@ def decode_image(
 def _page_with_most_lines(source: Any) -> Image.Image:
     """Render the page of a PDF that has the most vector paths; the first page if none has any."""
     pdfium = importlib.import_module("pypdfium2")
-    with pdfium.PdfDocument(source) as document:
-        counts = []
-        for number in range(min(len(document), _MAX_PAGES)):
-            with closing(document[number]) as page:
-                kinds = [item.type for item in page.get_objects(max_depth=3)]
-            counts.append(kinds.count(pdfium.raw.FPDF_PAGEOBJ_PATH))
-        if not counts:
-            raise InputError("a PDF with pages", "none")
-        with closing(document[int(np.argmax(counts))]) as page:
-            return page.render(scale=_PAGE_SIDE / max(page.get_size())).to_pil()
+    with (
+        pdfium.PdfDocument(source) as document,
+        closing(document[_number_with_most_lines(document)]) as page,
+    ):
+        return page.render(scale=_PAGE_SIDE / max(page.get_size())).to_pil()
+
+
+def _number_with_most_lines(document: Any) -> int:
+    pdfium = importlib.import_module("pypdfium2")
+    counts = []
+    for number in range(min(len(document), _MAX_PAGES)):
+        with closing(document[number]) as page:
+            kinds = [item.type for item in page.get_objects(max_depth=3)]
+        counts.append(kinds.count(pdfium.raw.FPDF_PAGEOBJ_PATH))
+    if not counts:
+        raise InputError("a PDF with pages", "none")
+    return int(np.argmax(counts))
+
+
+def page_read(path: str | os.PathLike[str]) -> tuple[int, int]:
+    """Return the number, from 1, of the page of a PDF that `decode_image` reads, and their count.
+
+    (1, 1) for a picture.
+    """
+    with Path(path).open("rb") as stream:
+        if stream.read(4) != b"%PDF":
+            return 1, 1
+    with importlib.import_module("pypdfium2").PdfDocument(path) as document:
+        return _number_with_most_lines(document) + 1, len(document)
 
 
 def _check_file(path: Path) -> None:

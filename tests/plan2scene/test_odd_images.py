@@ -283,6 +283,28 @@ FAILS: dict[str, tuple[Callable[[], bytes], str]] = {
 }
 
 
+def test_of_a_pdf_the_page_with_the_most_lines_is_read(tmp_path: Path) -> None:
+    import pypdfium2
+
+    path, raw = tmp_path / "brochure.pdf", pypdfium2.raw
+    with pypdfium2.PdfDocument.new() as document:
+        for count in (1, 4, 2):
+            page = document.new_page(300, 200)
+            for k in range(count):
+                line = raw.FPDFPageObj_CreateNewPath(20, 20 + 40 * k)
+                raw.FPDFPath_LineTo(line, 280, 20 + 40 * k)
+                raw.FPDFPath_SetDrawMode(line, 0, True)
+                raw.FPDFPage_InsertObject(page.raw, line)
+            page.gen_content()
+        document.save(path)
+    assert images.page_read(path) == (2, 3)
+    pixels, _ = images.read_reduced_image(path, 64, pages=True)
+    dark = pixels[:, pixels.shape[1] // 2].mean(axis=1) < 200
+    assert (np.diff(dark.astype(int)) == 1).sum() == 4
+    rgb().save(tmp_path / "plan.png")
+    assert images.page_read(tmp_path / "plan.png") == (1, 1)
+
+
 def test_photos_of_phones_and_pages_are_read(tmp_path: Path) -> None:
     import pillow_heif
 

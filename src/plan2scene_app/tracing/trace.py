@@ -17,7 +17,7 @@ from shapely.geometry import Polygon
 
 from plan2scene.errors import InputError
 from plan2scene.house import DEFAULT_HEIGHT, OPEN_AIR
-from plan2scene.images import write_png
+from plan2scene.images import page_read, write_png
 from plan2scene.io import write_json, write_text
 from plan2scene.plans.plan_json import FORMAT, house_of_plan
 from plan2scene.plans.room_names import is_garage, room_types
@@ -121,6 +121,7 @@ class TracedPlan:
     flights: tuple[TracedFlight, ...] = ()
     left_out: int = 0  #: number of drawings that show no home
     sheet: Sheet | None = None  #: the sheet of paper that the file shows
+    page: tuple[int, int] = (1, 1)  #: number of the page that is read, and of the file's pages
 
     @property
     def metres(self) -> float:
@@ -206,6 +207,7 @@ def trace_picture(
         tuple(flights_of(treads, rooms, storeys, metres)),
         seen.left_out,
         picture.sheet,
+        page_read(path),
     )
 
 
@@ -604,6 +606,9 @@ def doubts(plan: TracedPlan) -> Iterator[str]:
             f"the scale is {scale.source} ({centimetres:.3g} cm a pixel, {scale.confidence:.0%} "
             "sure): give --metres-per-pixel"
         )
+    number, count = plan.page
+    if count > 1:
+        yield f"page {number} of {count} is read: of all pages it has the most lines"
     if plan.sheet is not None:
         yield "the picture shows a sheet or a window with a plan: only that is read, straightened"
     if plan.sure < SETTINGS.least_sure[0]:
