@@ -216,6 +216,20 @@ def test_a_picture_shows_the_surfaces_in_their_colours(gap_house, paint):
     np.testing.assert_array_equal(drawn(gap_house, textures, parts), sheet)
 
 
+def test_a_bright_part_of_a_dim_picture_is_not_burnt(gap_house):
+    tile = TileTexture(png_bytes(np.full((16, 16, 3), 150, np.uint8)), 0.7, True, "plaster", "t")
+    textures, parts = dict.fromkeys(gap_house.surface_keys(), tile), assemble(gap_house).parts
+    light = bake_light(gap_house, parts, mean_colours(textures), 0.25)
+    dim = replace(light, image=np.full_like(light.image, 0.3))
+    for name in ("a/floor", "b/floor"):
+        chart = light.charts[name]
+        rows = slice(chart.row, chart.row + chart.size[0])
+        dim.image[rows, chart.column : chart.column + chart.size[1]] = 2.4
+    painter = painter_of(gap_house, textures, parts, light=dim)
+    first = render_rooms(gap_house, Rays.of(parts), painter)[8:288, 8:428]
+    assert np.median(first) > 60 and np.quantile(first, 0.98) < 240
+
+
 def test_rooms_are_drawn_without_a_ray_tracer(gap_house, paint, monkeypatch):
     monkeypatch.setitem(sys.modules, "embreex.rtcore_scene", None)
     first = drawn(gap_house, paint(gap_house), assemble(gap_house).parts)[8:288, 8:428]
