@@ -54,7 +54,6 @@ _CAMERA = _record(
     position={"anyOf": [{"type": "null"}, _list(_NUMBER, 3)]},
     located=_SHARE,
     rooms=_object(_SHARE) | {"propertyNames": {"anyOf": [{"const": ""}, _ROOM]}},
-    evidence=_list(_TEXT),
 )
 _TILE = _record(
     {"size_m": {"type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 1000}},

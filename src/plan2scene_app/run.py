@@ -107,6 +107,9 @@ def read_input(request: SingleHouse) -> list[str]:
     """Read plan and photos, so that errors are found before any job; return the photos' names."""
     house = None
     if request.storeys:
+        if request.metres_per_pixel:
+            found = f"--metres-per-pixel {request.metres_per_pixel:g}"
+            raise InputError("pictures of single storeys without a scale", found, file=request.plan)
         for path in plan_files(request):
             if not PlanFile(path, request.house).is_picture:
                 raise InputError("a picture of each storey", "a plan of another format", file=path)

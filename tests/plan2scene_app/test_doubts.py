@@ -19,8 +19,8 @@ def test_each_photo_is_shown_in_its_room_and_each_doubt_told(tmp_path):
     house = box_house()
     table = tmp_path / "photos.csv"
     table.write_text(
-        "room_id,photo,probability,of_kind,evidence,guess\nroom,a.png,0.61,0.61,,\nroom,b.png,,,,\n"
-        "store,c.png,0.17,0.4,imagenet name,store\n,<d>.png,,,,\nroom,f.png,0.55,0.6,,\n"
+        "room_id,photo,probability,of_kind,guess\nroom,a.png,0.61,0.61,\nroom,b.png,,,\n"
+        "store,c.png,0.17,0.4,store\n,<d>.png,,,\nroom,f.png,0.55,0.6,\n"
     )
     cameras = tmp_path / "cameras.json"
     shown = {"a.png": {"room": 0.61, "store": 0.31, "": 0.08}, "c.png": {"store": 0.17}}
@@ -62,8 +62,8 @@ def test_each_photo_is_shown_in_its_room_and_each_doubt_told(tmp_path):
 def test_rooms_chosen_on_the_page_are_saved_as_a_photo_table(tmp_path):
     table, page = tmp_path / "photos.csv", tmp_path / "doubts.html"
     table.write_text(
-        "room_id,photo,probability,of_kind,evidence,guess\nroom,a.png,0.61,0.61,,\n"
-        'store,"b, c.png",0.17,0.4,,store\n,d.png,,,,\nroom,e.png,0.3,0.3,,room\nroom,f.png,,,,\n'
+        "room_id,photo,probability,of_kind,guess\nroom,a.png,0.61,0.61,\n"
+        'store,"b, c.png",0.17,0.4,store\n,d.png,,,\nroom,e.png,0.3,0.3,room\nroom,f.png,,,\n'
     )
     write_doubts(page, tmp_path, DoubtFiles(table), house=box_house())
     with chromium() as browser:
@@ -85,7 +85,7 @@ def test_rooms_chosen_on_the_page_are_saved_as_a_photo_table(tmp_path):
 def test_the_traced_picture_is_seen_whole(tmp_path):
     """It stood below the plans, in a column that ends with the window: what was cut was blank."""
     table, overlay, page = (tmp_path / name for name in ("photos.csv", "plan.png", "doubts.html"))
-    table.write_text("room_id,photo,probability,of_kind,evidence,guess\n")
+    table.write_text("room_id,photo,probability,of_kind,guess\n")
     write_png(overlay, np.full((800, 900, 3), 99, np.uint8))
     write_doubts(page, tmp_path, DoubtFiles(table, overlay=overlay), house=box_house())
     with chromium() as browser:

@@ -16,7 +16,7 @@ from scipy import ndimage
 
 @dataclass(frozen=True)
 class SheetSettings:
-    """Constants of :func:`find_sheet`. Source: set by hand on changed copies of four real plans."""
+    """Constants of sheets and their light. Source: set by hand on changed copies of four plans."""
 
     side_px: int = 640  #: longer side that the picture is reduced to
     least_area: float = 0.25  #: least share of the picture that the sheet covers

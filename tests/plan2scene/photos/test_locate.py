@@ -179,8 +179,8 @@ def test_the_room_of_a_photo_is_found_or_asked_for(tmp_path, caplog):
     write_photo_rooms(house, given, output, rooms, placed)
     sure = read_json(output)["a.jpg"]["rooms"]["room"]
     assert poses["a.jpg"].located < sure < 1.0
-    header = "room_id,photo,probability,of_kind,evidence,guess"
-    rows = [header, "store,b.jpg,,,,", f"room,a.jpg,{sure:.2f},{sure:.2f},,"]
+    header = "room_id,photo,probability,of_kind,guess"
+    rows = [header, "store,b.jpg,,,", f"room,a.jpg,{sure:.2f},{sure:.2f},"]
     assert placed.read_text().splitlines() == rows
     # A guess is used for a room without a surer photo if it is of its kind, and is not told by
     # running with its table.
@@ -189,16 +189,16 @@ def test_the_room_of_a_photo_is_found_or_asked_for(tmp_path, caplog):
     write_json(output, entries)
     alone = {"b.jpg": ["store"]}
     assert write_photo_rooms(house, given, output, rooms, placed) == alone
-    rows[2] = "room,a.jpg,0.47,0.47,,room"
+    rows[2] = "room,a.jpg,0.47,0.47,room"
     assert placed.read_text().splitlines() == rows
     bedrooms = replace(house, rooms=tuple(replace(r, types=("Bedroom",)) for r in house.rooms))
     assert write_photo_rooms(bedrooms, given, output, rooms, placed) == both
-    assert placed.read_text().splitlines()[2] == "room,a.jpg,0.47,0.92,,room"
+    assert placed.read_text().splitlines()[2] == "room,a.jpg,0.47,0.92,room"
     entries["a.jpg"]["rooms"] = {"room": 0.45, "store": 0.47, "": 0.08}
     write_json(output, entries)
     assert write_photo_rooms(bedrooms, given, output, rooms, placed) == alone
     assert write_photo_rooms(house, given, output, rooms, placed) == alone
-    rows[2] = "store,a.jpg,0.47,0.47,,store"
+    rows[2] = "store,a.jpg,0.47,0.47,store"
     assert placed.read_text().splitlines() == rows
     assert read_assignment(placed, house) == (("store", "b.jpg"), ("", "a.jpg"))
     # A house of which no photo finds its place is made all the same.

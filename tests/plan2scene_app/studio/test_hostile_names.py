@@ -65,9 +65,9 @@ def viewer(folder, name):
 def doubts(folder, name):
     with (folder / "photos.csv").open("w", newline="") as file:
         rows = [
-            ["room_id", "photo", "probability", "of_kind", "evidence"],
-            [name, name, 0.5, 0.5, name],
-            ["", f"other {name}", "", "", ""],
+            ["room_id", "photo", "probability", "of_kind"],
+            [name, name, 0.5, 0.5],
+            ["", f"other {name}", "", ""],
         ]
         csv.writer(file).writerows(rows)
     (folder / "doubts.txt").write_text(name)

@@ -59,6 +59,8 @@ def test_storeys_are_pictures(picture, tmp_path):
     other.write_text("{}")
     with pytest.raises(InputError, match="a picture of each storey"):
         read_input(replace(request(picture), storeys=(other,)))
+    with pytest.raises(InputError, match="without a scale, found --metres"):
+        read_input(replace(request(picture), storeys=(picture,), metres_per_pixel=0.02))
 
 
 def test_a_folder_of_photos_is_given_with_a_picture(picture, tmp_path, caplog):

@@ -91,8 +91,6 @@ class Shots:
     """The photos of a house, as read from its masks folder."""
 
     shots: dict[str, Shot]
-    #: Sources of the evidence of each photo's room, for photos without a room in the table.
-    told_by: dict[str, list[str]]
     #: Pairs of photos that see the same things, and pairs from one spot (`spots.Turned`).
     turns: dict[tuple[str, str], int]
     spots: dict[tuple[str, str], int]
@@ -295,7 +293,7 @@ def locate_photos(
     for name in sorted(read.cameras):
         entries[name] = pose_to_json(read.cameras[name], located.poses.get(name))
         if name in located.rooms:
-            entries[name] |= {"rooms": located.rooms[name], "evidence": read.told_by[name]}
+            entries[name] |= {"rooms": located.rooms[name]}
     write_json(output, entries)
     count = sum(pose.believed for pose in located.poses.values())
     _log.info("%d of %d photos located", count, len(read.cameras))
@@ -319,14 +317,12 @@ def read_shots(
     kinds = read_stage_json(folder / KINDS_FILE, "kinds")
     anywhere = [room.id for room in house.rooms]
     shots: dict[str, Shot] = {}
-    told_by: dict[str, list[str]] = {}
     for name in sorted(cameras.keys() & rooms_of_photo.keys()):
         stem, hints = Path(name).stem, None
         if not rooms_of_photo[name]:
             kind = kinds["photos"].get(name)
             named = fitting_rooms(house, stem) if name_hints else {}
             hints = PhotoEvidence(kinds=np.array(kind) if kind else None, named=named)
-            told_by[name] = [kinds["source"]] * bool(kind) + ["name"] * bool(named)
         likely = [
             read_probability_png(path, house_id=house.id) if path.exists() else None
             for path in (folder / of / f"{stem}.png" for of in (PROBABILITIES, AMODAL))
@@ -344,7 +340,7 @@ def read_shots(
         for file in (TURNS_FILE, SPOTS_FILE)
     )
     alike = {(a, b): v for a, b, v in read_stage_json(folder / LIKENESS_FILE, "likeness")}
-    return Shots(shots, told_by, turns, spots, alike, cameras)
+    return Shots(shots, turns, spots, alike, cameras)
 
 
 def write_photo_rooms(
@@ -360,7 +356,7 @@ def write_photo_rooms(
     `cameras` is the cameras.json of `locate_photos`, None if photos have no camera. A photo without
     a room, or with a guess that is not used, is left out; one log line names all such photos.
     `table` is a second output: a photo table of these rooms and of the photos without a room, with
-    the probability of the room and of its kind, the source of the evidence, and the guesses.
+    the probability of the room and of its kind, and the guesses.
     """
     camera_entries = {} if cameras is None else read_stage_json(cameras, "cameras", house=house)
     probabilities = {
@@ -389,13 +385,12 @@ def write_photo_rooms(
     for photo, named in rooms.items():
         if photo in likely:
             room, sure, of_kind = likely[photo]
-            evidence = " ".join(camera_entries.get(photo, {}).get("evidence", []))
             guess = room if sure < WHICH.least else ""
             probability_cells = [f"{sure:.2f}", f"{of_kind:.2f}"] if room else ["", ""]
-            rows.append([room, photo, *probability_cells, evidence, guess])
+            rows.append([room, photo, *probability_cells, guess])
         else:
-            rows += [[room, photo, "", "", "", ""] for room in named]
-    header = ["room_id", "photo", "probability", "of_kind", "evidence", "guess"]
+            rows += [[room, photo, "", "", ""] for room in named]
+    header = ["room_id", "photo", "probability", "of_kind", "guess"]
     with atomic_path(table) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         csv.writer(file, lineterminator="\n").writerows([header, *rows])
     rooms = {photo: named for photo, named in rooms.items() if named}
