@@ -204,13 +204,18 @@ def read_image(path: str | os.PathLike[str], *, house_id: str = "") -> np.ndarra
 
 
 def read_reduced_image(
-    path: str | os.PathLike[str], side: int, *, house_id: str = "", pages: bool = False
+    path: str | os.PathLike[str],
+    side: int,
+    *,
+    house_id: str = "",
+    pages: bool = False,
+    page: int | None = None,
 ) -> tuple[np.ndarray, tuple[int, int]]:
     """Return an image as :func:`read_image` does, and the (height, width) of its file.
 
-    With `pages` a PDF is read too (:func:`decode_image`). An image with more than `MAX_PIXELS` and
-    up to `MAX_PHOTO_PIXELS` pixels is reduced, its longer side not below `side`: this takes the
-    memory of a picture of the reduced size, or about 1 GB.
+    With `pages` a `page` of a PDF is read too (:func:`decode_image`). An image with more than
+    `MAX_PIXELS` and up to `MAX_PHOTO_PIXELS` pixels is reduced, its longer side not below `side`:
+    this takes the memory of a picture of the reduced size, or about 1 GB.
     """
 
     def reduced(image: Image.Image) -> tuple[np.ndarray, tuple[int, int]]:
@@ -220,7 +225,9 @@ def read_reduced_image(
         turned = (pixels.shape[0] > pixels.shape[1]) != (height > width)
         return pixels, (width, height) if turned else (height, width)
 
-    return decode_image(path, reduced, house_id=house_id, max_pixels=MAX_PHOTO_PIXELS, pages=pages)
+    return decode_image(
+        path, reduced, house_id=house_id, max_pixels=MAX_PHOTO_PIXELS, pages=pages, page=page
+    )
 
 
 def decode_image(
@@ -230,10 +237,12 @@ def decode_image(
     house_id: str = "",
     max_pixels: int = MAX_PIXELS,
     pages: bool = False,
+    page: int | None = None,
 ) -> _Decoded:
     """Open an image with Pillow and return `decode` of it; any failure becomes an InputError.
 
-    With `pages` a PDF is accepted too: its page with the most vector paths is rendered.
+    With `pages` a PDF is accepted too. Of it the `page` of this number, from 1, is rendered, or
+    the one with the most vector paths.
     """
     from PIL import Image, UnidentifiedImageError
 
@@ -248,7 +257,7 @@ def decode_image(
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             if pages and head.startswith(b"%PDF"):
-                return decode(_page_with_most_lines(source))
+                return decode(_rendered_page(source, page or pages_by_lines(source)[0]))
             formats: tuple[str, ...] = FORMATS
             if head[4:8] == b"ftyp" and head[8:12] in _HEIF_BRANDS:
                 importlib.import_module("pillow_heif").register_heif_opener(thumbnails=False)
@@ -268,38 +277,38 @@ def decode_image(
         raise fault("an image that decodes", f"{type(error).__name__}: {error}") from None
 
 
-def _page_with_most_lines(source: Any) -> Image.Image:
-    """Render the page of a PDF that has the most vector paths; the first page if none has any."""
-    pdfium = importlib.import_module("pypdfium2")
+def _rendered_page(source: Any, number: int) -> Image.Image:
     with (
-        pdfium.PdfDocument(source) as document,
-        closing(document[_number_with_most_lines(document)]) as page,
+        importlib.import_module("pypdfium2").PdfDocument(source) as document,
+        closing(document[number - 1]) as page,
     ):
         return page.render(scale=_PAGE_SIDE / max(page.get_size())).to_pil()
 
 
-def _number_with_most_lines(document: Any) -> int:
-    pdfium = importlib.import_module("pypdfium2")
-    counts = []
-    for number in range(min(len(document), _MAX_PAGES)):
-        with closing(document[number]) as page:
-            kinds = [item.type for item in page.get_objects(max_depth=3)]
-        counts.append(kinds.count(pdfium.raw.FPDF_PAGEOBJ_PATH))
-    if not counts:
-        raise InputError("a PDF with pages", "none")
-    return int(np.argmax(counts))
-
-
-def page_read(path: str | os.PathLike[str]) -> tuple[int, int]:
-    """Return the number, from 1, of the page of a PDF that `decode_image` reads, and their count.
-
-    (1, 1) for a picture.
-    """
+def page_count(path: str | os.PathLike[str]) -> int:
+    """Return the number of pages of a PDF, 1 for a picture."""
     with Path(path).open("rb") as stream:
         if stream.read(4) != b"%PDF":
-            return 1, 1
+            return 1
     with importlib.import_module("pypdfium2").PdfDocument(path) as document:
-        return _number_with_most_lines(document) + 1, len(document)
+        return len(document)
+
+
+def pages_by_lines(source: Any) -> list[int]:
+    """Return the numbers, from 1, of a PDF's first 40 pages, those with more vector paths first.
+
+    InputError for a PDF without pages.
+    """
+    pdfium = importlib.import_module("pypdfium2")
+    counts = []
+    with pdfium.PdfDocument(source) as document:
+        for number in range(min(len(document), _MAX_PAGES)):
+            with closing(document[number]) as page:
+                kinds = [item.type for item in page.get_objects(max_depth=3)]
+            counts.append(kinds.count(pdfium.raw.FPDF_PAGEOBJ_PATH))
+    if not counts:
+        raise InputError("a PDF with pages", "none")
+    return [int(k) + 1 for k in np.argsort(-np.array(counts), kind="stable")]
 
 
 def _check_file(path: Path) -> None:

@@ -297,12 +297,15 @@ def test_of_a_pdf_the_page_with_the_most_lines_is_read(tmp_path: Path) -> None:
                 raw.FPDFPage_InsertObject(page.raw, line)
             page.gen_content()
         document.save(path)
-    assert images.page_read(path) == (2, 3)
+    assert images.pages_by_lines(path) == [2, 3, 1] and images.page_count(path) == 3
     pixels, _ = images.read_reduced_image(path, 64, pages=True)
     dark = pixels[:, pixels.shape[1] // 2].mean(axis=1) < 200
     assert (np.diff(dark.astype(int)) == 1).sum() == 4
+    pixels, _ = images.read_reduced_image(path, 64, pages=True, page=3)
+    dark = pixels[:, pixels.shape[1] // 2].mean(axis=1) < 200
+    assert (np.diff(dark.astype(int)) == 1).sum() == 2
     rgb().save(tmp_path / "plan.png")
-    assert images.page_read(tmp_path / "plan.png") == (1, 1)
+    assert images.page_count(tmp_path / "plan.png") == 1
 
 
 def test_photos_of_phones_and_pages_are_read(tmp_path: Path) -> None:

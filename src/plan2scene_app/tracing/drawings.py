@@ -17,8 +17,9 @@ import numpy as np
 from scipy import ndimage
 from scipy.signal import fftconvolve
 
+from plan2scene.errors import InputError
 from plan2scene_app.tracing.lettering import TextLine
-from plan2scene_app.tracing.picture import dark_on_light, read_plan_picture
+from plan2scene_app.tracing.picture import PlanPicture, dark_on_light, read_plan_picture
 from plan2scene_app.tracing.settings import DOOR, ROOM, SETTINGS, STAIRS, WINDOW
 
 #: Words (no accents, lower case) of a caption, by the storey's number; `_` is a space.
@@ -84,16 +85,32 @@ def _union(one: Sequence[int], other: Sequence[int]) -> list[int]:
     return [*np.minimum(one[:2], other[:2]).tolist(), *np.maximum(one[2:], other[2:]).tolist()]
 
 
-def page_of_storeys(paths: Sequence[Path]) -> np.ndarray:
+def page_of_storeys(paths: Sequence[Path], names: Sequence[str] = ()) -> np.ndarray:
     """Return one white page (h, w, 3) uint8 sRGB with the pictures of a home's storeys.
 
-    They stand in the given order, or in that of the storeys that all their file names tell. Those
-    of one size have one scale; others are made equally long. InputError as `read_plan_picture`.
+    They stand in the given order, or in that of the storeys that all their `names` tell (default:
+    the files' paths). InputError with the name as `read_plan_picture`.
     """
-    told = [storey_told(path.stem.replace("_", " ")) for path in paths]
+    names = names or [str(path) for path in paths]
+    pictures = []
+    for path, name in zip(paths, names, strict=True):
+        try:
+            pictures.append(read_plan_picture(path))
+        except InputError as fault:
+            raise InputError(fault.expected, fault.found, file=name) from None
+    told = [storey_told(Path(name).stem.replace("_", " ")) for name in names]
+    order = list(range(len(paths)))
     if None not in told and len(set(told)) == len(told):
-        paths = [path for _, path in sorted(zip(told, paths, strict=True))]
-    pictures = [read_plan_picture(path) for path in paths]
+        order.sort(key=lambda k: told[k] or 0)
+    return on_one_page([pictures[k] for k in order]).image
+
+
+def on_one_page(pictures: Sequence[PlanPicture]) -> PlanPicture:
+    """Return one white page with pictures of storeys, side by side or one below the other.
+
+    Those of one size have one scale, so that a pixel of the page is `shrunk` pixels of their files;
+    others are made equally long.
+    """
     images = []
     one_scale = len({picture.file_size for picture in pictures}) == 1
     one_scale &= all(picture.sheet is None for picture in pictures)
@@ -115,7 +132,7 @@ def page_of_storeys(paths: Sequence[Path]) -> np.ndarray:
     for image, (height, width) in zip(images, sizes, strict=True):
         page[place[0] : place[0] + height, place[1] : place[1] + width] = image
         place[axis] += image.shape[axis] + gap
-    return page
+    return PlanPicture(page, coarsest)
 
 
 def shows_a_home(structure: np.ndarray) -> bool:

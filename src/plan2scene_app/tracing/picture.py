@@ -33,9 +33,13 @@ class PlanPicture:
     file_size: tuple[int, int] = (0, 0)  #: height and width of the file, pixels
 
 
-def read_plan_picture(path: str | Path) -> PlanPicture:
-    """Return a picture of at most `long_side_px` a side; InputError if it is empty or too small."""
-    image, (height, width) = read_reduced_image(path, SETTINGS.long_side_px, pages=True)
+def read_plan_picture(path: str | Path, page: int | None = None) -> PlanPicture:
+    """Return a picture of at most `long_side_px` a side; InputError if it is empty or too small.
+
+    Of a PDF the `page` of this number, from 1, is read, or the one with the most lines.
+    """
+    side = SETTINGS.long_side_px
+    image, (height, width) = read_reduced_image(path, side, pages=True, page=page)
     if min(height, width) < SETTINGS.least_side_px:
         expected = f"a plan of at least {SETTINGS.least_side_px} pixels a side"
         raise InputError(expected, f"{width}x{height}", file=path)

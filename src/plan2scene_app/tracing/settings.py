@@ -72,6 +72,8 @@ class TraceSettings:
     # Drawings on one picture.
     drawing_ink: float = 25.0  #: least difference in grey value between paper and ink
     drawing_gap: float = 0.012  #: blank paper between two drawings, share of the longer side
+    most_pages: int = 12  #: largest number of pages of a PDF that the network looks at
+    same_words: float = 0.7  #: least share of words in the home that pages of one plan share
     page_gap: float = 0.08  #: blank paper between pictures of storeys, share of the longest side
     drawing_size: float = 0.05  #: least area of a drawing's box, share of the largest one's
     most_drawings: int = 6  #: largest number of drawings that are looked at

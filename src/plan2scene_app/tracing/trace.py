@@ -17,7 +17,7 @@ from shapely.geometry import Polygon
 
 from plan2scene.errors import InputError
 from plan2scene.house import DEFAULT_HEIGHT, OPEN_AIR
-from plan2scene.images import page_read, write_png
+from plan2scene.images import page_count, write_png
 from plan2scene.io import write_json, write_text
 from plan2scene.plans.plan_json import FORMAT, house_of_plan
 from plan2scene.plans.room_names import is_garage, room_types
@@ -47,6 +47,7 @@ from plan2scene_app.tracing.lettering import TextLine, read_lines, reader_instal
 from plan2scene_app.tracing.named_areas import with_named_areas, without_counters
 from plan2scene_app.tracing.open_rooms import with_open_rooms
 from plan2scene_app.tracing.openings import TracedOpening, find_openings, within_walls
+from plan2scene_app.tracing.pages import read_plan_pages
 from plan2scene_app.tracing.picture import (
     Frame,
     dark_on_light,
@@ -57,7 +58,6 @@ from plan2scene_app.tracing.picture import (
     how_sure,
     main_direction,
     outline_of,
-    read_plan_picture,
     refuse_other_pictures,
     scale_by_doors,
     straightened,
@@ -121,7 +121,8 @@ class TracedPlan:
     flights: tuple[TracedFlight, ...] = ()
     left_out: int = 0  #: number of drawings that show no home
     sheet: Sheet | None = None  #: the sheet of paper that the file shows
-    page: tuple[int, int] = (1, 1)  #: number of the page that is read, and of the file's pages
+    pages: tuple[int, ...] = (1,)  #: numbers of the pages that are read
+    page_count: int = 1  #: number of the file's pages
 
     @property
     def metres(self) -> float:
@@ -146,8 +147,8 @@ def trace_picture(
     If `metres_per_pixel` is given, for pixels of the file, it is used instead of written sizes.
     Raises InputError if the picture shows no plan.
     """
-    picture = read_plan_picture(path)
     segmenter = load_plan_segmenter(model or MODELS / f"{MODEL}.safetensors")
+    picture, pages = read_plan_pages(path, segmenter)
     page = dark_on_light(picture.image)
     read = reader_installed()
     texts = read_lines(page) if read else []
@@ -207,7 +208,8 @@ def trace_picture(
         tuple(flights_of(treads, rooms, storeys, metres)),
         seen.left_out,
         picture.sheet,
-        page_read(path),
+        pages,
+        page_count(path),
     )
 
 
@@ -482,7 +484,8 @@ def plan_origin(plan: TracedPlan) -> np.ndarray:
 def place_in_picture(plan: TracedPlan, file: str) -> dict[str, Any]:
     """Return where the plan's metres lie in the file's pixels (`picture` in the schema).
 
-    If the file shows a sheet, these are pixels of the straightened sheet.
+    If the file shows a sheet, these are pixels of the straightened sheet. If several pages are
+    read, these are pixels of one page with all of them.
     """
 
     def pixel(point: np.ndarray) -> np.ndarray:
@@ -502,6 +505,7 @@ def place_in_picture(plan: TracedPlan, file: str) -> dict[str, Any]:
         "metres_per_pixel": round(plan.file_metres, 7),
         "turned": round(float(np.degrees(np.arctan2(step[1], step[0]))), 3),
         **({"levels": levels} if levels else {}),
+        **({"pages": list(plan.pages)} if plan.page_count > 1 else {}),
         **({"sheet": _corners_of(plan.sheet)} if plan.sheet else {}),
     }
 
@@ -606,9 +610,10 @@ def doubts(plan: TracedPlan) -> Iterator[str]:
             f"the scale is {scale.source} ({centimetres:.3g} cm a pixel, {scale.confidence:.0%} "
             "sure): give --metres-per-pixel"
         )
-    number, count = plan.page
-    if count > 1:
-        yield f"page {number} of {count} is read: of all pages it has the most lines"
+    if plan.page_count > 1:
+        numbers = ", ".join(map(str, plan.pages))
+        read = f"page {numbers} is" if len(plan.pages) == 1 else f"pages {numbers} are"
+        yield f"of {plan.page_count} pages, {read} read; give other pages as pictures"
     if plan.sheet is not None:
         yield "the picture shows a sheet or a window with a plan: only that is read, straightened"
     if plan.sure < SETTINGS.least_sure[0]:

@@ -73,7 +73,6 @@ def test_a_drawing_becomes_a_plan_by_the_command_the_same_again(picture, texts, 
     joined = [door for door in house.doors if door.room_b is not None]
     assert len(joined) == 1
     assert all(path.is_file() for path in traced_files(out))
-    assert "page 2 of 3 is read" in next(trace.doubts(replace(plan, page=(2, 3), read=True)))
     # What nothing is drawn of reaches the ceiling.
     full = replace(plan, openings=tuple(replace(o, full=True) for o in plan.openings))
     assert {o["top"] for o in trace.plan_document(full)["openings"]} == {house.rooms[0].height}
