@@ -170,11 +170,11 @@ export class App {
     return [`${text} of what? In ${this.feet ? "feet" : "metres"} the whole would be ${lengthText(wide, this.feet)} wide. `, ...(this.feet ? ["in", "ft"] : ["mm", "cm", "m"]).map((unit) => button(`${text} ${unit}`, () => take(unit)))];
   }
 
-  /** Put a picture under the plan; if the host has traced it and nothing is drawn yet, show the traced plan. */
-  async openPicture(file) {
-    this.say(`Reading ${file.name}\u2026`);
+  /** Put a picture under the plan; if the host has traced it and nothing is drawn yet, show the traced plan. Several pictures are storeys. */
+  async openPicture(file, ...more) {
+    this.say(`Reading ${[file, ...more].map(({ name }) => name).join(", ")}\u2026`);
     let found;
-    try { found = await (this.host.picture?.(file) ?? readPicture(file, PICTURE_SIDE).then((picture) => ({ picture }))); } catch (error) { this.say(`${file.name} is no picture that can be read (${error.message})`); return; }
+    try { found = await (this.host.picture?.(file, ...more) ?? readPicture(file, PICTURE_SIDE).then((picture) => ({ picture }))); } catch (error) { this.say(`${file.name} is no picture that can be read (${error.message})`); return; }
     const traced = found.plan && !this.store.plan.rooms.length;
     this.picture = found.picture;
     this.notes = found.notes ?? [];

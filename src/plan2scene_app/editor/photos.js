@@ -111,18 +111,51 @@ export async function takeFiles(app, files, room = null) {
   const isTable = (file) => /\.csv$/i.test(file.name); // opened after the plan, because its rooms are the plan's
   for (const file of files.filter((one) => !isPhoto(one)).sort((a, b) => isTable(a) - isTable(b))) await app.openFile(file);
   if (empty() && photos.length) {
-    const plan = photos.length === 1 ? photos[0] : await askPlan(photos);
-    if (plan === null) return;
-    photos = photos.filter((file) => file !== plan);
-    if (plan) await app.openPicture(plan);
+    const plans = await plansAmong(photos, Boolean(app.host.picture));
+    if (plans === null) return;
+    photos = photos.filter((file) => !plans.includes(file));
+    if (plans.length) await app.openPicture(...plans);
   }
   if (photos.length) await addPhotos(app, photos, room);
 }
 
-/** Ask which picture is the plan; undefined for none of them, null if the dialog is closed. */
-async function askPlan(pictures) {
-  const likely = pictures.find(({ name }) => /plan|grundriss|floor|layout|piso|etage/i.test(name));
-  const choice = el("select", { name: "plan", "aria-label": "Picture of the plan" }, pictures.map((file, k) => el("option", { value: k, selected: file === likely }, file.name)));
-  const answer = await ask("Which picture is the plan?", [el("p", { className: "soft" }, "The others are kept as photos."), choice], "This one", { other: { text: "None of them", value: "none" } });
-  return answer === "none" ? undefined : answer && pictures[Number(answer.get("plan"))];
+/** The pictures that are the plan: the only one that is mostly paper, else asked. Null if the dialog is closed. */
+async function plansAmong(pictures, several) {
+  if (pictures.length === 1) return pictures;
+  const paper = await Promise.all(pictures.map((file) => paperShare(file).catch(() => 0)));
+  const drawn = pictures.filter((_, k) => paper[k] >= MOSTLY_PAPER);
+  if (drawn.length === 1) return drawn;
+  const named = ({ name }) => /plan|grundriss|floor|layout|piso|etage/i.test(name);
+  const likely = (drawn.length ? drawn : pictures.filter(named)).sort((a, b) => named(b) - named(a));
+  const order = [...likely, ...pictures.filter((file) => !likely.includes(file))];
+  const ticked = new Set(several ? likely : likely.slice(0, 1));
+  const rows = order.map((file, k) => el("label", {}, el("input", { type: several ? "checkbox" : "radio", name: "plan", value: k, checked: ticked.has(file) }), ` ${file.name}`));
+  const words = several ? "Tick the plan, or the plan of each storey. The others are kept as photos." : "The others are kept as photos.";
+  const answer = await ask(several ? "Which pictures are the plan?" : "Which picture is the plan?", [el("p", { className: "soft" }, words), el("div", { className: "names" }, rows)], "Open", { other: { text: "None of them", value: "none" } });
+  if (answer === "none") return [];
+  return answer && answer.getAll("plan").map((k) => order[Number(k)]);
+}
+
+const MOSTLY_PAPER = 0.65; // least share of its main colour that makes a picture a drawing (tracing/settings.py: page_paper)
+
+/** The share of a picture that has its most frequent colour, within 6 of 255. */
+async function paperShare(file) {
+  const bitmap = await createImageBitmap(file);
+  const share = Math.min(1, 384 / Math.max(bitmap.width, bitmap.height));
+  const canvas = el("canvas", { width: Math.max(1, Math.round(bitmap.width * share)), height: Math.max(1, Math.round(bitmap.height * share)) });
+  const drawing = canvas.getContext("2d");
+  drawing.imageSmoothingQuality = "high";
+  drawing.fillStyle = "white"; // below what is transparent
+  drawing.fillRect(0, 0, canvas.width, canvas.height);
+  drawing.drawImage(bitmap, 0, 0, canvas.width, canvas.height);
+  bitmap.close();
+  const { data } = drawing.getImageData(0, 0, canvas.width, canvas.height), counts = new Map();
+  for (let k = 0; k < data.length; k += 4) {
+    const colour = ((data[k] >> 2) << 12) | ((data[k + 1] >> 2) << 6) | (data[k + 2] >> 2);
+    counts.set(colour, (counts.get(colour) ?? 0) + 1);
+  }
+  const [main] = [...counts].reduce((a, b) => (b[1] > a[1] ? b : a)), of = [main >> 12, (main >> 6) & 63, main & 63].map((v) => 4 * v + 2);
+  let near = 0;
+  for (let k = 0; k < data.length; k += 4) if (of.every((v, c) => Math.abs(data[k + c] - v) <= 6)) near += 1;
+  return (4 * near) / data.length;
 }

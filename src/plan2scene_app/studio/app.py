@@ -37,6 +37,7 @@ from plan2scene_app.studio.projects import PICTURE, Conflict, Project, Projects
 
 #: Largest size in bytes of an uploaded photo, an uploaded plan, and the editor's state.
 MAX_PHOTO, MAX_PLAN, MAX_STATE = 60_000_000, 200_000_000, 8_000_000
+MAX_STOREYS = 6  #: largest number of pictures of one plan
 
 _Answer = Callable[[Request], Awaitable[Response]]
 #: Content policy of a viewer's page: it may run its scripts and start downloads, but not connect.
@@ -149,9 +150,15 @@ class _Studio:
         return JSONResponse({"revision": revision})
 
     async def open_plan(self, request: Request) -> Response:
-        """Read an uploaded plan of any format or a picture of one, and store the file."""
+        """Read an uploaded plan of any format, a picture of one or of each storey, and store it.
+
+        Of several pictures, the body is one after the other, and the query says their names and
+        sizes in bytes: ``parts=[["ground.jpg", 1234], ...]``.
+        """
         project, content = self._of(request), await body(request, MAX_PLAN)
-        return JSONResponse(await run_in_threadpool(plan_source.read_upload, project, content))
+        parts = _parts(request.query_params.get("parts") or "[]")
+        plan = await run_in_threadpool(plan_source.read_upload, project, content, parts)
+        return JSONResponse(plan)
 
     async def reading(self, request: Request) -> Response:
         """Give the scale and layers with which the uploaded plan is read, and the possible ones."""
@@ -310,6 +317,21 @@ class Guard:
 
 class TooLarge(Exception):  # noqa: N818 - an answer
     """A request's body is larger than allowed."""
+
+
+def _parts(text: str) -> list[tuple[str, int]]:
+    """Return the names and the sizes in bytes of uploaded pictures of storeys."""
+    document = parse_json(text, "the request")
+    try:
+        parts = [(name, size) for name, size in document]
+        if len(parts) <= MAX_STOREYS and all(
+            isinstance(name, str) and type(size) is int and 0 < size <= MAX_PLAN
+            for name, size in parts
+        ):
+            return parts
+    except (TypeError, ValueError):
+        pass
+    raise InputError(f"names and sizes of at most {MAX_STOREYS} pictures", repr(document)[:60])
 
 
 async def body(request: Request, most: int) -> bytes:

@@ -10,12 +10,15 @@ from __future__ import annotations
 
 import math
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from plan2scene.errors import InputError
+from plan2scene.images import png_bytes
 from plan2scene.io import atomic_path, read_json, write_json
 from plan2scene.plans.formats import format_of, one_line
 from plan2scene.plans.plan_file import PlanFile, Unscaled
@@ -23,6 +26,7 @@ from plan2scene_app.editor.editor_page import opened, picture_bytes
 from plan2scene_app.plan_formats.dxf import LAYERS, MAX_PATTERN
 from plan2scene_app.studio.limited import limited
 from plan2scene_app.studio.projects import PICTURE, Project
+from plan2scene_app.tracing.drawings import page_of_storeys
 
 SOURCE, READING = "plan_source", "plan_source.json"
 #: Allowed scales (metres per pixel or unit) and widths of a house (metres).
@@ -44,14 +48,20 @@ class UnreadPlanError(InputError):
         self.reading = reading
 
 
-def read_upload(project: Project, content: bytes) -> dict[str, Any]:
+def read_upload(
+    project: Project, content: bytes, parts: Sequence[tuple[str, int]] = ()
+) -> dict[str, Any]:
     """Store an uploaded file and return its plan in the editor's form (:func:`opened`).
 
+    If `content` holds pictures of single storeys one after the other, `parts` are their names and
+    their sizes in bytes. They are stored as one page.
     InputError for a file that is not a plan; it is not stored. UnreadPlanError if a scale or layers
     may help to read it; it is stored.
     """
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "plan"
+        if len(parts) > 1:
+            content = _page_of(content, parts, Path(folder))
         file.write_bytes(content)
         try:
             start = _opened(project, file, _NOTHING)
@@ -60,6 +70,17 @@ def read_upload(project: Project, content: bytes) -> dict[str, Any]:
             raise
     _keep(project, content, _NOTHING | {"picture": start.get("scale")})
     return start
+
+
+def _page_of(content: bytes, parts: Sequence[tuple[str, int]], folder: Path) -> bytes:
+    """Return the PNG of one page with the pictures that `content` holds one after the other."""
+    ends = np.cumsum([size for _, size in parts])
+    if ends[-1] != len(content):
+        raise InputError(f"pictures of {ends[-1]} bytes in all", f"{len(content)}")
+    paths = [folder / str(number) for number in range(len(parts))]
+    for path, (_, size), end in zip(paths, parts, ends, strict=True):
+        path.write_bytes(content[end - size : end])
+    return png_bytes(limited(page_of_storeys, paths, [name for name, _ in parts]))
 
 
 def read_again(project: Project, changes: Mapping[str, Any]) -> dict[str, Any]:

@@ -94,9 +94,9 @@ export class Server {
     await asked(photoUrl(file.name), { method: "PUT", body: file });
     return photoUrl(file.name);
   }
-  /** Upload a picture; resolves to the server's copy and the plan traced from it. */
-  async picture(file) {
-    const found = await this.read(file);
+  /** Upload a picture, or one of each storey; resolves to the server's copy and the plan traced from it. */
+  async picture(...files) {
+    const found = await this.read(...files);
     if (!found.picture) throw new Error("a plan, not a picture");
     return found;
   }
@@ -105,9 +105,10 @@ export class Server {
     await this.show(await this.read(file), file);
   }
   /** Let the server read a file; ask the user for a scale or layers if they are needed. */
-  async read(file) {
+  async read(...files) {
     let found;
-    try { found = await asked("plan", { method: "POST", body: file }); } catch (error) {
+    const parts = files.length > 1 ? `?parts=${encodeURIComponent(JSON.stringify(files.map(({ name, size }) => [name, size])))}` : "";
+    try { found = await asked(`plan${parts}`, { method: "POST", body: new Blob(files) }); } catch (error) {
       if (!error.reading) throw error;
       this.source = true;
       found = await this.askUntilRead(error.reading, error.message);

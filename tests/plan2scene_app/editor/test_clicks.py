@@ -100,7 +100,7 @@ def test_a_plan_and_photos_dropped_together(drawing):
           editor.view.svg.dispatchEvent(new DragEvent("drop", { dataTransfer: data }));
         }"""
     )
-    drawing.page.get_by_role("button", name="This one").click()
+    drawing.page.get_by_role("button", name="Open", exact=True).last.click()
     drawing.page.wait_for_function("() => editor.store.state.photos.length === 2")
     assert drawing.page.evaluate("editor.picture.width") == 400
     assert drawing.photos == [{"name": name, "rooms": []} for name in ("bed.png", "hall.png")]

@@ -4,6 +4,7 @@ import json
 import sys
 import time
 
+import numpy as np
 import pytest
 from browser import Drawing, serious_violations
 from PIL import Image
@@ -325,6 +326,42 @@ def test_a_run_is_cancelled_fails_with_a_line_and_goes_on(drawing, monkeypatch):
     page.locator("#start-run", has_text="Try again").click()
     page.wait_for_function("() => house.run.state === 'done'")
     assert page.locator(".stages .done").all_text_contents() == ["Plan", "The house in 3D"]
+
+
+def test_among_many_pictures_the_plans_of_the_storeys_are_found(drawing, studio, tmp_path):
+    page, home = drawing.page, home_of(studio, drawing)
+    rng = np.random.default_rng(0)
+    for name in ("b.jpg", "c.jpg"):
+        Image.fromarray(rng.integers(0, 255, (90, 120, 3), np.uint8)).save(tmp_path / name)
+    sheet = Image.new("RGB", (200, 150), "white")
+    sheet.paste("black", (40, 40, 160, 44))
+    sheet.save(tmp_path / "first floor.png")
+    sheet.paste("black", (40, 100, 160, 104))
+    sheet.save(tmp_path / "ground.png")
+    page.click("#open")
+    page.set_input_files("#file-input", sorted(tmp_path.iterdir()))
+    page.get_by_role("heading", name="Which pictures are the plan?").wait_for()
+    ticked = page.locator("dialog label:has(input:checked)").all_inner_texts()
+    assert [name.strip() for name in ticked] == ["first floor.png", "ground.png"]
+    page.get_by_role("dialog").get_by_role("button", name="Open").click()
+    page.wait_for_function("() => editor.store.state.photos.length === 2 && !house.host.pending")
+    rows = np.asarray(Image.open(home / "plan_source").convert("L")).min(axis=1) < 128
+    first, second, third = np.flatnonzero(np.diff(rows.astype(int)) == 1)
+    assert second - first > third - second  # the ground floor, with two lines, is the first
+
+
+def test_the_only_page_among_photos_is_the_plan(drawing, tmp_path):
+    page = drawing.page
+    rng = np.random.default_rng(0)
+    for name in ("b.jpg", "floorplan.jpg"):
+        Image.fromarray(rng.integers(0, 255, (90, 120, 3), np.uint8)).save(tmp_path / name)
+    sheet = Image.new("RGB", (200, 150), "white")
+    sheet.paste("black", (40, 40, 160, 44))
+    sheet.save(tmp_path / "p07.png")
+    page.click("#open")
+    page.set_input_files("#file-input", sorted(tmp_path.iterdir()))
+    page.wait_for_function("() => editor.store.state.photos.length === 2")
+    assert sorted(photo["name"] for photo in drawing.photos) == ["b.jpg", "floorplan.jpg"]
 
 
 def test_two_points_on_a_picture_are_kept_as_its_scale(drawing, studio, tmp_path):

@@ -6,6 +6,7 @@ import socket
 import zipfile
 from importlib.util import find_spec
 from pathlib import Path
+from urllib.parse import quote
 
 import pytest
 from PIL import Image
@@ -109,6 +110,20 @@ def test_plans_of_other_formats_and_pictures_are_read(studio, home):
     status, found = studio.ask("POST", f"{home}/plan", b"no plan at all")
     assert status == 400
     assert found["error"].startswith("expected a plan (")
+
+
+@pytest.mark.parametrize(
+    ("parts", "error"),
+    [
+        ('[["a.png", 9], ["b.png", 9]]', "expected pictures of 18 bytes in all, found 17"),
+        ('[["a.png", 8], ["b.png", 9]]', "file a.png: expected an image"),
+        ('[["a.png", -8], ["b.png", 25]]', "expected names and sizes of at most 6 pictures"),
+        ('{"a.png": 17}', "expected names and sizes of at most 6 pictures"),
+    ],
+)
+def test_pictures_of_storeys_are_refused_in_one_line(studio, home, parts, error):
+    status, found = studio.ask("POST", f"{home}/plan?parts={quote(parts)}", b"no picture at all")
+    assert status == 400 and error in found["error"]
 
 
 def test_results_are_given_and_zipped(studio, home):
