@@ -25,7 +25,7 @@ _SIGNATURES = (
     (b"II*\x00", "a TIFF picture"),
     (b"MM\x00*", "a TIFF picture"),
     (b"BM", "a BMP picture"),
-    (b"%PDF", "a PDF (save its page as a PNG picture)"),
+    (b"%PDF", "a PDF"),
     (b"AC10", "a DWG drawing (save it as DXF)"),
     (b"\xac\xed", "a serialised Java object"),
     (b"\x1f\x8b", "a gzip archive"),

@@ -50,7 +50,7 @@ def test_a_missing_package_is_one_line(tmp_path, monkeypatch, start, package):
     [
         (b"\x89PNG\r\n\x1a\n\x00", "a PNG picture (plan2scene trace makes a plan of it)"),
         (b"\xff\xd8\xff\xe0\x00", "a JPEG picture (plan2scene trace makes a plan of it)"),
-        (b"%PDF-1.7\n\xff", "a PDF (save its page as a PNG picture)"),
+        (b"%PDF-1.7\n\xff", "a PDF (plan2scene trace makes a plan of it)"),
         (b"AC1032\x00\xff", "a DWG drawing (save it as DXF)"),
         (b"PK\x05\x06" + b"\x00" * 18, "an empty ZIP archive"),
         (b"PK\x03\x04" + b"\x00" * 90, "a damaged file of Sweet Home 3D or another ZIP archive"),
