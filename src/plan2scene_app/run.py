@@ -9,7 +9,7 @@ import logging
 import shutil
 import sys
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -25,6 +25,7 @@ from plan2scene.plans.plan_file import PlanFile
 from plan2scene.plans.validate import validate_house
 from plan2scene.provenance import WORKFLOW
 from plan2scene_app.bound_process import run_bound
+from plan2scene_app.brochure import unpacked
 from plan2scene_app.check import photo_problem
 from plan2scene_app.finishes import finishes_file, read_finishes
 from plan2scene_app.out_folder import OutFolder, claimed_folder
@@ -74,8 +75,8 @@ class SingleHouse:
 
     plan: Path
     photo_table: Path | None
-    #: Folder of the photos in the table (default: the table's folder). Without a table, all photos
-    #: in this folder are used.
+    #: Folder of the photos in the table (default: the table's folder), or a PDF that contains them.
+    #: Without a table, all photos in it are used.
     photos_dir: Path | None
     house: str
     method: str
@@ -341,33 +342,35 @@ def run(
         raise InputError(f"a texture size of {TEXTURE_SIZES} pixels", str(request.texture_size))
     sources = (*plan_files(request), request.photo_table, request.photos_dir)
     inputs = [path for path in sources if path is not None]
-    names = read_input(request)
-    wanted = (*DELIVERED, *OF_PHOTOS) if names else DELIVERED
-    wanted += TRACED if is_picture(request) else ()
-    # If the user passes the photos.csv of an earlier run, it is an input and not overwritten.
-    wanted = tuple(name for name in wanted if (out / name).resolve() != _resolved(request))
-    with claimed_folder(out, (*wanted, "textures"), inputs) as folder:
-        config = prepare(request, names, folder.work)
-        base = f"results/{DATASET}/houses/{request.house}"
-        options = list(PRINTED[printed])
-        options += ["--logger-plan2scene-events", str(events.resolve())] if events else []
-        options += ["--cores", str(cores)]
-        made = folder.work / "results" / DATASET
-        files = {name: made / "houses" / request.house / name for name in wanted}
-        files["textures"] = (
-            made / "houses" / request.house / "textures"
-            if request.colours == "paint"
-            else made / "drop_0.0" / request.method / request.house / "textures"
-        )
-        if first:
-            _make([f"{base}/{name}" for name in first], config, folder, options)
-            folder.deliver({name: files[name] for name in first})
-        _make([f"{base}/{name}" for name in wanted], config, folder, options)
-        made_files = folder.deliver(files)
-        if is_picture(request):
-            for line in made_files["plan.doubts.txt"].read_text(encoding="utf-8").splitlines():
-                _LOG.warning("%s", line)
-        return made_files
+    with unpacked(request.photos_dir) as photos_dir:
+        request = replace(request, photos_dir=photos_dir)
+        names = read_input(request)
+        wanted = (*DELIVERED, *OF_PHOTOS) if names else DELIVERED
+        wanted += TRACED if is_picture(request) else ()
+        # If the user passes the photos.csv of an earlier run, it is an input and not overwritten.
+        wanted = tuple(name for name in wanted if (out / name).resolve() != _resolved(request))
+        with claimed_folder(out, (*wanted, "textures"), inputs) as folder:
+            config = prepare(request, names, folder.work)
+            base = f"results/{DATASET}/houses/{request.house}"
+            options = list(PRINTED[printed])
+            options += ["--logger-plan2scene-events", str(events.resolve())] if events else []
+            options += ["--cores", str(cores)]
+            made = folder.work / "results" / DATASET
+            files = {name: made / "houses" / request.house / name for name in wanted}
+            files["textures"] = (
+                made / "houses" / request.house / "textures"
+                if request.colours == "paint"
+                else made / "drop_0.0" / request.method / request.house / "textures"
+            )
+            if first:
+                _make([f"{base}/{name}" for name in first], config, folder, options)
+                folder.deliver({name: files[name] for name in first})
+            _make([f"{base}/{name}" for name in wanted], config, folder, options)
+            made_files = folder.deliver(files)
+            if is_picture(request):
+                for line in made_files["plan.doubts.txt"].read_text(encoding="utf-8").splitlines():
+                    _LOG.warning("%s", line)
+            return made_files
 
 
 def _profile_options() -> list[str]:

@@ -22,8 +22,10 @@ from plan2scene.images import png_bytes
 from plan2scene.io import atomic_path, read_json, write_json
 from plan2scene.plans.formats import format_of, one_line
 from plan2scene.plans.plan_file import PlanFile, Unscaled
+from plan2scene_app.brochure import is_pdf, unpack_photos
 from plan2scene_app.editor.editor_page import opened, picture_bytes
 from plan2scene_app.plan_formats.dxf import LAYERS, MAX_PATTERN
+from plan2scene_app.run import photos_in
 from plan2scene_app.studio.limited import limited
 from plan2scene_app.studio.projects import PICTURE, Project
 from plan2scene_app.tracing.drawings import page_of_storeys
@@ -54,7 +56,8 @@ def read_upload(
     """Store an uploaded file and return its plan in the editor's form (:func:`opened`).
 
     If `content` holds pictures of single storeys one after the other, `parts` are their names and
-    their sizes in bytes. They are stored as one page.
+    their sizes in bytes. They are stored as one page. Photos that a PDF contains are added to the
+    project; ``photos`` are their names.
     InputError for a file that is not a plan; it is not stored. UnreadPlanError if a scale or layers
     may help to read it; it is stored.
     """
@@ -68,8 +71,23 @@ def read_upload(
         except UnreadPlanError:
             _keep(project, content, _NOTHING)
             raise
+        photos = _add_photos(project, file, Path(folder)) if is_pdf(file) else []
     _keep(project, content, _NOTHING | {"picture": start.get("scale")})
-    return start
+    return start | {"photos": photos}
+
+
+def _add_photos(project: Project, pdf: Path, folder: Path) -> list[str]:
+    """Add the photos that a PDF contains to the project; return their names."""
+    (unpacked := folder / "photos").mkdir()
+    if not limited(unpack_photos, pdf, unpacked):
+        return []
+    try:
+        names = photos_in(unpacked, [])
+    except InputError:  # drawings and pages only
+        return []
+    for name in names:
+        project.add_photo(name, (unpacked / name).read_bytes())
+    return names
 
 
 def _page_of(content: bytes, parts: Sequence[tuple[str, int]], folder: Path) -> bytes:

@@ -140,14 +140,22 @@ export class Server {
     }
   }
   /** Replace the plan by the one that was read; undo brings the old plan back. */
-  async show({ plan, picture, notes, scale }, file) {
+  async show({ plan, picture, notes, scale, photos }, file) {
     const { app } = this;
     Object.assign(app, { notes: notes ?? [], doubt: scale?.doubt ?? "" });
+    this.addKept(photos ?? []);
     if (!picture) { await app.openPlan(plan, file); return; }
     app.picture = picture;
     app.store.changeWhole({ picture: app.placed(picture), ...(plan ? { plan: completed(plan, app.rules) } : {}) });
     app.setTool("select");
     app.fit();
+  }
+  /** Add photos that the server found in the plan's file. */
+  addKept(names) {
+    const { app } = this, { photos } = app.store.state;
+    const added = names.filter((name) => !photos.some((photo) => photo.name === name));
+    for (const name of added) app.thumbs.set(name, photoUrl(name));
+    if (added.length) app.store.change({ photos: [...photos, ...added.map((name) => ({ name, rooms: [] }))] });
   }
   /** The panel's button that opens the dialog of the plan file's scale and layers. */
   planTools() {

@@ -364,6 +364,21 @@ def test_the_only_page_among_photos_is_the_plan(drawing, tmp_path):
     assert sorted(photo["name"] for photo in drawing.photos) == ["b.jpg", "floorplan.jpg"]
 
 
+def test_a_brochure_gives_its_plan_and_its_photos(drawing, studio, tmp_path):
+    page, home = drawing.page, home_of(studio, drawing)
+    noise = np.random.default_rng(0).integers(0, 255, (40, 60, 3), np.uint8)
+    photo, sheet = (Image.new("RGB", (600, 400), "white") for _ in range(2))
+    photo.paste(Image.fromarray(noise).resize((600, 400)))
+    sheet.paste("black", (40, 40, 460, 48))
+    sheet.save(tmp_path / "brochure.pdf", save_all=True, append_images=[photo], resolution=72)
+    page.click("#open")
+    page.set_input_files("#file-input", tmp_path / "brochure.pdf")
+    page.wait_for_function("() => editor.store.state.photos.length === 1 && !house.host.pending")
+    assert page.evaluate("editor.picture !== null")
+    assert drawing.photos == [{"name": "page02_1.jpg", "rooms": []}]
+    assert Image.open(home / "photos" / "page02_1.jpg").size == (600, 400)
+
+
 def test_two_points_on_a_picture_are_kept_as_its_scale(drawing, studio, tmp_path):
     page, home = drawing.page, home_of(studio, drawing)
     Image.new("RGB", (400, 300), "white").save(tmp_path / "plan.png")

@@ -1,0 +1,60 @@
+"""Photos of a PDF: which are taken, which are left out, and where the plan is in the same file."""
+
+import numpy as np
+import pytest
+from flat_picture import flat_picture
+from PIL import Image
+
+from plan2scene.errors import InputError
+from plan2scene_app.brochure import is_pdf, unpacked
+from plan2scene_app.run import photos_in
+
+rng = np.random.default_rng(0)
+PHOTOS = [
+    Image.fromarray(rng.integers(0, 255, (24, 32, 3), np.uint8)).resize((640, 480)) for _ in "ab"
+]
+LOGO = PHOTOS[0].resize((160, 120))
+
+
+def pdf(path, *pictures):
+    first, *more = (picture.copy() for picture in pictures)  # Pillow keeps what it is saved with
+    first.save(path, save_all=True, append_images=more, resolution=72)
+    return path
+
+
+def test_photos_of_a_brochure_are_taken_and_plan_and_logo_left_out(tmp_path, caplog):
+    plan = Image.fromarray(flat_picture())
+    path = pdf(tmp_path / "brochure.pdf", PHOTOS[0], plan, LOGO, PHOTOS[1])
+    assert is_pdf(path)
+    with unpacked(path) as folder:
+        assert photos_in(folder, [path]) == ["page01_1.jpg", "page04_1.jpg"]
+        taken = np.asarray(Image.open(folder / "page04_1.jpg")).astype(int)
+        first = {file.name: file.read_bytes() for file in folder.iterdir()}
+    assert np.abs(taken - np.asarray(PHOTOS[1])).mean() < 6
+    assert "page02_1.jpg left out: a drawing or a page" in caplog.text
+    assert not folder.exists()
+    with unpacked(path) as folder:
+        assert first == {file.name: file.read_bytes() for file in folder.iterdir()}
+
+
+def test_a_folder_stays_as_it_is(tmp_path):
+    for photos in (tmp_path, None):
+        with unpacked(photos) as folder:
+            assert folder == photos and not is_pdf(photos)
+
+
+@pytest.mark.parametrize(
+    ("pictures", "found"), [([LOGO], "none"), ([Image.fromarray(flat_picture())], "no photo in it")]
+)
+def test_a_pdf_without_photos_is_one_line_with_its_name(tmp_path, pictures, found):
+    path = pdf(tmp_path / "plan.pdf", *pictures)
+    fault = pytest.raises(InputError, match=rf"^file {path}: expected .*, found {found}")
+    with fault, unpacked(path) as folder:
+        photos_in(folder, [])
+
+
+def test_a_damaged_pdf_is_one_line(tmp_path):
+    path = pdf(tmp_path / "cut.pdf", *PHOTOS)
+    path.write_bytes(path.read_bytes()[:100])
+    with pytest.raises(InputError, match="expected a PDF that can be read"), unpacked(path):
+        pass
