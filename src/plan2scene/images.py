@@ -179,14 +179,15 @@ MAX_IMAGE_BYTES = 200_000_000  #: Image files above this many bytes are refused 
 #: Formats that Pillow may read; JPEG includes MPO, a JPEG with a second picture, as many phones
 #: write it. Others are refused: for PostScript, Pillow would start another program.
 FORMATS = ("JPEG", "PNG", "GIF", "WEBP", "TIFF", "BMP", "PPM")
-FORMAT_NAMES = "JPEG, PNG, GIF, WebP, TIFF, BMP, PPM or HEIC"
+FORMAT_NAMES = "JPEG, PNG, GIF, WebP, TIFF, BMP, PPM, HEIC or AVIF"
 #: File endings of pictures, to recognise a picture before it is read (when jobs are planned).
 SUFFIXES = (
     *(".png", ".jpg", ".jpeg", ".gif", ".webp", ".tif", ".tiff", ".bmp", ".ppm"),
-    *(".heic", ".heif", ".hif", ".pdf"),
+    *(".heic", ".heif", ".hif", ".avif", ".pdf"),
 )
 #: Brands of HEIF files with HEVC pictures, as phones write them.
 _HEIF_BRANDS = (b"heic", b"heix", b"heim", b"heis", b"mif1", b"msf1", b"hevc", b"hevx")
+_AVIF_BRANDS = (b"avif", b"avis")
 #: Most pages of a PDF that are examined, and pixels of the longer side of a rendered page.
 _MAX_PAGES, _PAGE_SIDE = 40, 3000
 METRIC_SIZE = 128  #: Side in pixels at which the paper compares textures
@@ -197,7 +198,7 @@ def read_image(path: str | os.PathLike[str], *, house_id: str = "") -> np.ndarra
 
     Every mode is converted (palette, CMYK, grey, 16 bit, float) and a colour profile is applied.
     Of an animation or a file with pages, the first is read. Raises InputError for a file that is
-    not of `FORMATS` or HEIC, is truncated, or has more than `MAX_PIXELS` pixels or
+    not of `FORMATS`, HEIC or AVIF, is truncated, or has more than `MAX_PIXELS` pixels or
     `MAX_IMAGE_BYTES` bytes; these limits are checked before decoding.
     """
     return decode_image(path, to_srgb, house_id=house_id)
@@ -244,7 +245,7 @@ def decode_image(
     With `pages` a PDF is accepted too. Of it the `page` of this number, from 1, is rendered, or
     the one with the most vector paths.
     """
-    from PIL import Image, UnidentifiedImageError
+    from PIL import Image, UnidentifiedImageError, features
 
     file, head = ("" if isinstance(source, io.BytesIO) else source), b""
     fault = partial(InputError, file=file, house=house_id)
@@ -262,6 +263,8 @@ def decode_image(
             if head[4:8] == b"ftyp" and head[8:12] in _HEIF_BRANDS:
                 importlib.import_module("pillow_heif").register_heif_opener(thumbnails=False)
                 formats = ("HEIF",)
+            if head[4:8] == b"ftyp" and head[8:12] in _AVIF_BRANDS and features.check("avif"):
+                formats = ("AVIF",)
             with Image.open(source, formats=formats) as image:
                 _check_size(*image.size, max_pixels)
                 return decode(image)
@@ -336,7 +339,7 @@ def _kind_of(head: bytes) -> str:
     """Say in words what an unreadable image file is, judged by its first bytes."""
     if head[4:8] == b"ftyp":
         brand = head[8:12].decode("ascii", "replace")
-        return f"an AVIF picture, a damaged HEIC or a video ({brand}); convert it to JPEG"
+        return f"a damaged HEIC or AVIF picture or a video ({brand}); convert it to JPEG"
     signatures = (
         (b"%PDF", "a PDF"),
         (b"%!PS", "PostScript"),

@@ -112,11 +112,13 @@ def run_house(
     out: Annotated[Path, typer.Option(help="Folder for the results.")],
     photos: Annotated[
         Path | None,
-        typer.Option(help="Folder or PDF of photos, or CSV table: photo, and room_id where known."),
+        typer.Option(
+            help="Folder, ZIP or PDF of photos, or CSV table: photo, and room_id where known."
+        ),
     ] = None,
     photos_dir: Annotated[
         Path | None,
-        typer.Option(help="Folder or PDF of the table's photos; default: beside the table."),
+        typer.Option(help="Folder, ZIP or PDF of the table's photos; default: beside it."),
     ] = None,
     method: _Method = "exemplar",
     cores: Annotated[int, typer.Option(min=1)] = 2,
@@ -146,11 +148,11 @@ def run_house(
     ] = False,
 ) -> None:
     """Make one textured house from a plan and photos."""
-    from plan2scene_app.brochure import is_pdf
+    from plan2scene_app.packed_photos import is_packed
     from plan2scene_app.run import SingleHouse, run
 
     printed = "quiet" if quiet else "verbose" if verbose else "lines"
-    folder = photos is not None and (photos.is_dir() or is_pdf(photos))
+    folder = photos is not None and (photos.is_dir() or is_packed(photos))
     request = SingleHouse(
         plan=plan[0],
         storeys=tuple(plan[1:]),

@@ -25,10 +25,10 @@ from plan2scene.plans.plan_file import PlanFile
 from plan2scene.plans.validate import validate_house
 from plan2scene.provenance import WORKFLOW
 from plan2scene_app.bound_process import run_bound
-from plan2scene_app.brochure import unpacked
 from plan2scene_app.check import photo_problem
 from plan2scene_app.finishes import finishes_file, read_finishes
 from plan2scene_app.out_folder import OutFolder, claimed_folder
+from plan2scene_app.packed_photos import unpacked
 from plan2scene_app.tracing.picture import paper_share, read_plan_picture
 from plan2scene_app.tracing.settings import SETTINGS
 
@@ -75,7 +75,7 @@ class SingleHouse:
 
     plan: Path
     photo_table: Path | None
-    #: Folder of the photos in the table (default: the table's folder), or a PDF that contains them.
+    #: Folder of the photos in the table (default: the table's folder), or a ZIP or PDF with them.
     #: Without a table, all photos in it are used.
     photos_dir: Path | None
     house: str
@@ -124,6 +124,8 @@ def read_input(request: SingleHouse) -> list[str]:
         for line in validate_house(house, file=request.plan):
             _LOG.warning("%s", line)
     if request.photo_table is not None:
+        if kind := PlanFile(request.photo_table, request.house).binary:
+            raise InputError("a folder of photos, or a table", kind, file=request.photo_table)
         rows = read_assignment(request.photo_table, house, house_id=request.house)
         names = sorted({row.photo for row in rows})
     elif request.photos_dir is not None:

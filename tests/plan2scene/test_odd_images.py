@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import Image, ImageCms
+from PIL import Image, ImageCms, features
 
 from plan2scene import images
 from plan2scene.errors import InputError
@@ -314,6 +314,10 @@ def test_photos_of_phones_and_pages_are_read(tmp_path: Path) -> None:
     heic = tmp_path / "phone.HEIC"
     pillow_heif.from_pillow(rgb().resize((480, 320), Image.Resampling.NEAREST)).save(heic)
     assert np.abs(read_image(heic)[::10, ::10].astype(int) - drawn()).max() < 40
+    if features.check("avif"):
+        rgb().resize((480, 320), Image.Resampling.NEAREST).save(tmp_path / "site.avif")
+        found = read_image(tmp_path / "site.avif")[::10, ::10].astype(int)
+        assert np.abs(found - drawn()).max() < 40
     page = tmp_path / "plan.pdf"
     rgb().save(page, format="PDF", resolution=1.0)
     pixels, size = images.read_reduced_image(page, 64, pages=True)

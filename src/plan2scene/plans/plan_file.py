@@ -66,7 +66,7 @@ class PlanFile:
     def binary(self) -> str:
         """The kind of a file that is not text, by its first bytes; empty for text."""
         if self.head[4:8] == b"ftyp":
-            return "a HEIC picture"
+            return "a HEIC or AVIF picture"
         kind = next((name for start, name in _SIGNATURES if self.head.startswith(start)), "")
         if self.head.startswith(b"PK") and not zipfile.is_zipfile(self.path):
             return "a damaged file of Sweet Home 3D or another ZIP archive"

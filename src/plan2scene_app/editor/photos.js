@@ -46,7 +46,7 @@ export async function addPhotos(app, files, room) {
 }
 
 async function thumbOf(file) {
-  try { return (await readPicture(file, THUMB)).url; } catch { throw new Error(`no picture that can be read here${/\.hei[cf]$/i.test(file.name) ? " (HEIC)" : ""}: save it as JPEG`); }
+  try { return (await readPicture(file, THUMB)).url; } catch { throw new Error(`no picture that can be read here${/\.(hei[cf]|avif)$/i.test(file.name) ? " (HEIC)" : ""}: save it as JPEG`); }
 }
 
 /** Lines for the files that were not added, each with the reason; a click removes a line. */
@@ -105,7 +105,7 @@ export function listenToDrops(app, target) {
 
 /** Open files that were dropped or chosen together: a plan or its picture, a photo table, photos. */
 export async function takeFiles(app, files, room = null) {
-  const isPhoto = (file) => isPicture(file) || /\.hei[cf]$/i.test(file.name);
+  const isPhoto = (file) => isPicture(file) || /\.(hei[cf]|avif)$/i.test(file.name);
   let photos = files.filter(isPhoto);
   const empty = () => !app.store.state.plan.rooms.length && !app.picture;
   const isTable = (file) => /\.csv$/i.test(file.name); // opened after the plan, because its rooms are the plan's

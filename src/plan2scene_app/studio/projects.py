@@ -28,7 +28,7 @@ from plan2scene_app.finishes import check_finish, finishes_file, finishes_text, 
 from plan2scene_app.ids import fit_id
 
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,59}")
-_PHOTO = re.compile(r"(?i).+\.(jpe?g|png|webp|tiff?|bmp|gif)")
+_PHOTO = re.compile(r"(?i).+\.(jpe?g|png|webp|tiff?|bmp|gif|hei[cf]|avif)")
 #: Largest number of photos in a project.
 MAX_PHOTOS = 500
 PLAN, TABLE, EXTRA, PICTURE = "plan.json", "photos.csv", "studio.json", "plan_picture.png"
@@ -163,7 +163,9 @@ class Project:
         """Return the path of a photo's name; InputError for a name that no photo can have."""
         path = safe_join(self.photos, name)
         if "/" in name or not _PHOTO.fullmatch(name):
-            raise InputError("a name of a JPEG, PNG, WebP, TIFF, BMP or GIF picture", repr(name))
+            raise InputError(
+                "a name of a JPEG, PNG, WebP, TIFF, BMP, GIF, HEIC or AVIF picture", repr(name)
+            )
         return path
 
     def _extra(self) -> dict[str, Any]:

@@ -73,6 +73,12 @@ def test_storeys_are_pictures(picture, tmp_path):
         read_input(replace(request(picture), storeys=(picture,), metres_per_pixel=0.02))
 
 
+def test_a_single_photo_is_no_table_of_photos(picture):
+    fault = pytest.raises(InputError, match="a folder of photos, or a table, found a PNG picture")
+    with fault:
+        read_input(request(picture, table=picture))
+
+
 def test_a_folder_of_photos_is_given_with_a_picture(picture, tmp_path, caplog):
     photos = tmp_path / "photos"
     photos.mkdir()

@@ -1,4 +1,6 @@
-"""Photos of a PDF: which are taken, which are left out, and where the plan is in the same file."""
+"""Photos of a PDF or ZIP: which are taken, which are left out."""
+
+import zipfile
 
 import numpy as np
 import pytest
@@ -6,7 +8,8 @@ from flat_picture import flat_picture
 from PIL import Image
 
 from plan2scene.errors import InputError
-from plan2scene_app.brochure import is_pdf, unpacked
+from plan2scene_app import packed_photos
+from plan2scene_app.packed_photos import is_packed, unpack_photos, unpacked
 from plan2scene_app.run import photos_in
 
 rng = np.random.default_rng(0)
@@ -25,7 +28,7 @@ def pdf(path, *pictures):
 def test_photos_of_a_brochure_are_taken_and_plan_and_logo_left_out(tmp_path, caplog):
     plan = Image.fromarray(flat_picture())
     path = pdf(tmp_path / "brochure.pdf", PHOTOS[0], plan, LOGO, PHOTOS[1])
-    assert is_pdf(path)
+    assert is_packed(path)
     with unpacked(path) as folder:
         assert photos_in(folder, [path]) == ["page01_1.jpg", "page04_1.jpg"]
         taken = np.asarray(Image.open(folder / "page04_1.jpg")).astype(int)
@@ -40,7 +43,7 @@ def test_photos_of_a_brochure_are_taken_and_plan_and_logo_left_out(tmp_path, cap
 def test_a_folder_stays_as_it_is(tmp_path):
     for photos in (tmp_path, None):
         with unpacked(photos) as folder:
-            assert folder == photos and not is_pdf(photos)
+            assert folder == photos and not is_packed(photos)
 
 
 @pytest.mark.parametrize(
@@ -51,6 +54,39 @@ def test_a_pdf_without_photos_is_one_line_with_its_name(tmp_path, pictures, foun
     fault = pytest.raises(InputError, match=rf"^file {path}: expected .*, found {found}")
     with fault, unpacked(path) as folder:
         photos_in(folder, [])
+
+
+def test_files_of_a_zip_keep_the_folders_that_differ(tmp_path):
+    names = ("home/bath/1.jpg", "home/kitchen/1.jpg", "__MACOSX/home/._1.jpg", "home/.DS_Store")
+    with zipfile.ZipFile(tmp_path / "photos.zip", "w") as archive:
+        for number, name in enumerate(names):
+            archive.writestr(name, bytes([number]))
+    with unpacked(tmp_path / "photos.zip") as folder:
+        found = {file.name: file.read_bytes() for file in folder.iterdir()}
+    assert found == {"bath_1.jpg": b"\0", "kitchen_1.jpg": b"\1"}
+
+
+@pytest.mark.parametrize("name", ["../1.jpg", "a/../../1.jpg", "/1.jpg"])
+def test_no_file_of_a_zip_leaves_its_folder(name, tmp_path):
+    with zipfile.ZipFile(tmp_path / "photos.zip", "w") as archive:
+        archive.writestr(name, b"")
+        archive.writestr("b/2.jpg", b"")
+    (home := tmp_path / "made").mkdir()
+    try:
+        made = unpack_photos(tmp_path / "photos.zip", home)
+        assert all(path.parent == home for path in made)
+    except InputError as error:
+        assert "photos.zip" in str(error)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["made", "photos.zip"]
+
+
+def test_a_zip_that_grows_too_large_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(packed_photos, "MAX_IMAGE_BYTES", 1000)
+    with zipfile.ZipFile(tmp_path / "photos.zip", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("1.jpg", bytes(2000))
+    fault = pytest.raises(InputError, match=r"photos\.zip: expected photos of at most 1000 bytes")
+    with fault, unpacked(tmp_path / "photos.zip"):
+        pass
 
 
 def test_a_damaged_pdf_is_one_line(tmp_path):

@@ -1,0 +1,129 @@
+"""Photos in one file: a ZIP archive, or a PDF such as a listing's brochure with plan and photos."""
+
+from __future__ import annotations
+
+import importlib
+import re
+import tempfile
+import zipfile
+import zlib
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from itertools import takewhile
+from pathlib import Path
+
+from plan2scene.errors import InputError
+from plan2scene.images import MAX_IMAGE_BYTES, MAX_PIXELS
+from plan2scene.io import safe_join
+
+#: Shortest side in pixels of a photo in a PDF: smaller pictures are logos and portraits.
+LEAST_SIDE = 300
+#: Largest number of pages, of photos, and of bytes of all photos of a ZIP archive.
+MOST_PAGES, MOST_PHOTOS, MOST_BYTES = 100, 500, 4_000_000_000
+#: How deep a picture may lie in groups of a page's objects.
+_DEPTH = 5
+_JPEG_QUALITY = 95
+
+
+def is_packed(path: Path | None) -> bool:
+    """Return whether a path is a PDF or a ZIP archive, by its content."""
+    return path is not None and path.is_file() and _start(path) in (b"%PDF", b"PK\x03\x04")
+
+
+def is_pdf(path: Path) -> bool:
+    """Return whether a file is a PDF, by its content."""
+    return _start(path) == b"%PDF"
+
+
+def _start(path: Path) -> bytes:
+    with path.open("rb") as file:
+        return file.read(4)
+
+
+@contextmanager
+def unpacked(photos: Path | None) -> Iterator[Path | None]:
+    """Yield a folder of photos: a new, temporary one for a PDF or ZIP, else the path as it is."""
+    if photos is None or not is_packed(photos):
+        yield photos
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        if not unpack_photos(photos, Path(folder)):
+            raise InputError(f"photos of at least {LEAST_SIDE} pixels a side", "none", file=photos)
+        try:
+            yield Path(folder)
+        except InputError as error:  # of the folder, which the user does not know
+            if folder not in str(error):
+                raise
+            raise InputError(error.expected, error.found, file=photos) from None
+
+
+def unpack_photos(source: Path, folder: Path) -> list[Path]:
+    """Write the photos of a PDF or ZIP archive into a folder; return their paths.
+
+    Pictures of a PDF are named ``page01_1.jpg`` and so on; small ones are left out, and those of
+    more than `MAX_PIXELS`. Files of an archive keep their names, with the folders that differ.
+    InputError for a damaged file, and for one that holds too much.
+    """
+    return _of_pdf(source, folder) if is_pdf(source) else _of_zip(source, folder)
+
+
+def _of_pdf(source: Path, folder: Path) -> list[Path]:
+    pdfium = importlib.import_module("pypdfium2")
+    written: list[Path] = []
+    if source.stat().st_size > MAX_IMAGE_BYTES:
+        raise InputError(f"a PDF of at most {MAX_IMAGE_BYTES} bytes", "a larger one", file=source)
+    try:
+        with pdfium.PdfDocument(source) as document:
+            for number in range(min(len(document), MOST_PAGES)):
+                with closing(document[number]) as page:
+                    pictures = page.get_objects([pdfium.raw.FPDF_PAGEOBJ_IMAGE], max_depth=_DEPTH)
+                    for place, picture in enumerate(pictures, start=1):
+                        width, height = picture.get_px_size()
+                        if min(width, height) < LEAST_SIDE or width * height > MAX_PIXELS:
+                            continue
+                        if len(written) == MOST_PHOTOS:
+                            return written
+                        path = folder / f"page{number + 1:02d}_{place}.jpg"
+                        image = picture.get_bitmap().to_pil().convert("RGB")
+                        image.save(path, quality=_JPEG_QUALITY)
+                        written.append(path)
+    except pdfium.PdfiumError as error:
+        raise InputError("a PDF that can be read", str(error), file=source) from None
+    return written
+
+
+def _of_zip(source: Path, folder: Path) -> list[Path]:
+    written: dict[Path, None] = {}
+    total = 0
+    try:
+        with zipfile.ZipFile(source) as archive:
+            parts = {entry: _parts(entry) for entry in archive.infolist() if _is_of_user(entry)}
+            if len(parts) > MOST_PHOTOS:
+                raise InputError(f"at most {MOST_PHOTOS} photos", f"{len(parts)}", file=source)
+            folders = zip(*(names[:-1] for names in parts.values()), strict=False)
+            shared = sum(1 for _ in takewhile(lambda level: len(set(level)) == 1, folders))
+            for entry, names in parts.items():
+                name = "_".join(names[shared:])
+                path = safe_join(folder, name, file=source)
+                with archive.open(entry) as file:
+                    content = file.read(MAX_IMAGE_BYTES + 1)
+                total += len(content)
+                if len(content) > MAX_IMAGE_BYTES or total > MOST_BYTES:
+                    expected = f"photos of at most {MAX_IMAGE_BYTES} bytes, {MOST_BYTES} in all"
+                    raise InputError(expected, f"more in {name}", file=source)
+                path.write_bytes(content)
+                written[path] = None
+    except (zipfile.BadZipFile, OSError, RuntimeError, NotImplementedError, zlib.error) as error:
+        raise InputError("a ZIP archive that can be read", str(error), file=source) from None
+    return list(written)
+
+
+def _parts(entry: zipfile.ZipInfo) -> list[str]:
+    """Return the names of an entry's folders and its own."""
+    return [part for part in re.split(r"[/\\]", entry.filename) if part.strip(". ")]
+
+
+def _is_of_user(entry: zipfile.ZipInfo) -> bool:
+    """Return whether an entry is a file that the user put in, none of the operating system's."""
+    hidden = any(part.startswith((".", "__MACOSX")) for part in _parts(entry))
+    return not entry.is_dir() and not hidden and bool(_parts(entry))
