@@ -22,6 +22,8 @@ from plan2scene.io import read_parquet
 from plan2scene.photos.patterns.bonds import LAID, PX_PER_M, Zigzag
 from plan2scene.plans.surface_areas import Area
 
+#: Rows of pixels of a floor that are worked on together, to limit the memory.
+_ROWS_AT_ONCE = 64
 _Point = tuple[float, ...]
 
 
@@ -383,19 +385,23 @@ def _columns(
     canvas = np.empty((last[1] - first[1], last[0] - first[0], 3), np.float32)
     x = (np.arange(first[0], last[0]) + 0.5) / scale
     zigzag = _zigzag(pattern)
-    for row in range(len(canvas)):
-        y = np.full_like(x, (row + first[1] + 0.5) / scale)
-        number, along, over, border = zigzag.planks(x, y)
-        keys, which = np.unique(number, axis=0, return_inverse=True)
-        unit, way = np.array([planks.get(tuple(k), (0, 0)) for k in keys.tolist()])[which.ravel()].T
+    for top in range(0, len(canvas), _ROWS_AT_ONCE):
+        part = canvas[top : top + _ROWS_AT_ONCE]
+        y = (np.arange(top, top + len(part)) + first[1] + 0.5) / scale
+        number, along, over, border = zigzag.planks(*np.broadcast_arrays(x, y[:, None]))
+        low = number.min(axis=(0, 1))
+        codes = (number - low) @ [int(np.ptp(number[..., 1])) + 1, 1]  # one integer a plank
+        _, place, which = np.unique(codes, return_index=True, return_inverse=True)
+        keys = number.reshape(-1, 2)[place].tolist()
+        known = np.array([planks.get((row, column), (0, 0)) for row, column in keys])
+        unit, way = np.moveaxis(known[which.reshape(codes.shape)], -1, 0)
         along = np.where(way & 1, -along, along) / pattern.length_m + 0.5
         over = np.where(way & 2, -over, over) / pattern.width_m + 0.5
-        column = np.clip(along * long - 0.5, 0, long - 1)
-        line = unit * high + np.clip(over * high - 0.5, 0, high - 1)
-        place = column[None].astype(np.float32), line[None].astype(np.float32)
-        canvas[row] = cv2.remap(atlas, *place, cv2.INTER_LINEAR)[0]
+        column = np.clip(along * long - 0.5, 0, long - 1).astype(np.float32)
+        line = (unit * high + np.clip(over * high - 0.5, 0, high - 1)).astype(np.float32)
+        cv2.remap(atlas, column, line, cv2.INTER_LINEAR, dst=part)
         covered = np.clip((max(joint, 1 / scale) / 2 - border) * scale + 0.5, 0.0, 1.0)
-        canvas[row] *= 1.0 - (covered * min(1.0, joint * scale))[:, None] * depth
+        part *= 1.0 - (covered * min(1.0, joint * scale))[..., None] * depth
     return canvas
 
 
