@@ -16,6 +16,7 @@ from plan2scene.images import read_reduced_image
 from plan2scene_app.tracing.regions import Regions
 from plan2scene_app.tracing.settings import DOOR, OUTSIDE, ROOM, SETTINGS
 from plan2scene_app.tracing.sheet import Sheet, find_sheet, in_even_light
+from plan2scene_app.tracing.tilt import find_tilt
 
 
 @dataclass(frozen=True)
@@ -46,8 +47,10 @@ def read_plan_picture(path: str | Path, page: int | None = None) -> PlanPicture:
     reduced = max(height, width) / max(image.shape[:2])
     sheet = find_sheet(image)
     if sheet is None:
-        image = in_even_light(image)
-    else:
+        even = in_even_light(image)
+        sheet = None if even is image else find_tilt(image)
+        image = image if sheet else even
+    if sheet is not None:
         fine = min(1.0, 2 * SETTINGS.long_side_px / max(sheet.size))
         image = sheet.straightened(image, fine)
         sheet, reduced = sheet.enlarged(reduced), reduced / fine

@@ -615,7 +615,7 @@ def doubts(plan: TracedPlan) -> Iterator[str]:
         read = f"page {numbers} is" if len(plan.pages) == 1 else f"pages {numbers} are"
         yield f"of {plan.page_count} pages, {read} read; give other pages as pictures"
     if plan.sheet is not None:
-        yield "the picture shows a sheet or a window with a plan: only that is read, straightened"
+        yield "a photo of a page, or a window with one: only the page is read, straightened"
     if plan.sure < SETTINGS.least_sure[0]:
         yield f"the picture as a whole: {plan.sure:.0%} sure of what it shows"
     if not plan.read:
