@@ -11,7 +11,7 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import Protocol, TypeVar
 
 from plan2scene.errors import InputError
-from plan2scene.provenance import PACKAGES, WORKFLOW, code_hash
+from plan2scene.provenance import WORKFLOW
 
 _LOG = logging.getLogger("plan2scene")
 
@@ -38,19 +38,7 @@ def plugins(group: str, kind: type[P]) -> dict[str, P]:
     An entry point that cannot be loaded, does not name a `kind`, or repeats a name is left out with
     a warning. Each is imported here, so its module should import large packages only when it runs.
     """
-    return {name: item for name, (_, item) in _loaded(group, kind).items()}
-
-
-@cache
-def code_of(group: str, kind: type[P], *names: str) -> list[str]:
-    """Return strings that change with the code of these plugins, for the params of a rule.
-
-    For our own plugins it is the hash of the module, for others their package's name and version.
-    """
-    entries = [_loaded(group, kind)[name][0] for name in names]
-    return [
-        code_hash(entry.module) if _is_ours(entry) else _distribution(entry) for entry in entries
-    ]
+    return {name: item for name, (_, item) in loaded(group, kind).items()}
 
 
 @contextmanager
@@ -74,10 +62,11 @@ def pip_command(needs: str) -> str:
 
 
 @cache
-def _loaded(group: str, kind: type[P]) -> dict[str, tuple[EntryPoint, P]]:
+def loaded(group: str, kind: type[P]) -> dict[str, tuple[EntryPoint, P]]:
+    """Return what :func:`plugins` does, each with its entry point."""
     found: dict[str, tuple[EntryPoint, P]] = {}
     entries = entry_points(group=group)
-    for entry in sorted(entries, key=lambda entry: (not _is_ours(entry), entry.name)):
+    for entry in sorted(entries, key=lambda entry: (not is_ours(entry), entry.name)):
         try:
             item = entry.load()
             if not isinstance(item, kind):
@@ -85,15 +74,17 @@ def _loaded(group: str, kind: type[P]) -> dict[str, tuple[EntryPoint, P]]:
             if item.name in found:
                 raise ValueError(f"another one is called {item.name}")
         except Exception as error:  # noqa: BLE001 - another package's code may raise anything
-            _LOG.warning("%s of %s is left out: %s", entry.value, _distribution(entry), error)
+            _LOG.warning("%s of %s is left out: %s", entry.value, distribution(entry), error)
             continue
         found[item.name] = (entry, item)
     return found
 
 
-def _is_ours(entry: EntryPoint) -> bool:
-    return entry.module.split(".")[0] in {package.name for package in PACKAGES}
+def is_ours(entry: EntryPoint) -> bool:
+    """Return whether an entry point names an object of the core or the app."""
+    return entry.module.split(".")[0] in ("plan2scene", "plan2scene_app")
 
 
-def _distribution(entry: EntryPoint) -> str:
+def distribution(entry: EntryPoint) -> str:
+    """Return the name and version of an entry point's package, else its module."""
     return f"{entry.dist.name} {entry.dist.version}" if entry.dist else entry.module

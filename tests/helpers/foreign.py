@@ -26,7 +26,6 @@ from safetensors.torch import save
 from unscaled_drawings import dxf
 
 from plan2scene.checkpoints.reading import fitted_state, read_checkpoint, state_dict_of
-from plan2scene.config import check_config
 from plan2scene.datasets.assignments import read_assignment
 from plan2scene.datasets.drops import read_unobserved
 from plan2scene.datasets.house_table import read_table
@@ -53,6 +52,7 @@ from plan2scene.weights import filled, load_model_file, read_model_arrays
 from plan2scene_app.run import shipped_config
 from plan2scene_app.studio.projects import Project
 from plan2scene_app.studio.runs import status
+from plan2scene_app.workflow.config import check_config
 
 # Else it keeps what it knows of the sources in the folder where the tests are started.
 configuration.set_hypothesis_home_dir(Path(tempfile.gettempdir()) / "plan2scene_hypothesis")

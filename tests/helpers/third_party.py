@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from plan2scene import plugins
+from plan2scene_app.workflow import closures
 
 SOURCE = Path(__file__).parents[1] / "toy_package"
 
@@ -28,7 +29,7 @@ def toy_installed(toy_site, monkeypatch):
     path = os.pathsep.join(filter(None, [os.environ.get("PYTHONPATH"), str(toy_site)]))
     monkeypatch.setenv("PYTHONPATH", path)
     monkeypatch.syspath_prepend(toy_site)
-    caches = (plugins.plugins, plugins.code_of, plugins._loaded)
+    caches = (plugins.plugins, closures._code_of, plugins.loaded)
     for function in caches:
         function.cache_clear()
     yield

@@ -7,9 +7,9 @@ import pytest
 import yaml
 from snakemake.utils import update_config
 
-from plan2scene.config import check_config, config_schema
 from plan2scene.errors import InputError
 from plan2scene_app.run import shipped_config
+from plan2scene_app.workflow.config import check_config, config_schema
 
 ROOT = Path(__file__).parents[2]
 

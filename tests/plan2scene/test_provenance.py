@@ -4,8 +4,8 @@ import os
 
 import pytest
 
-from plan2scene import provenance
-from plan2scene.provenance import code_hash, contents_hash, imports
+from plan2scene_app.workflow import closures
+from plan2scene_app.workflow.closures import code_hash, contents_hash, imports
 
 
 @pytest.fixture
@@ -25,7 +25,7 @@ def packages(tmp_path):
 
 
 def fresh(*modules: str, packages) -> str:
-    for function in vars(provenance).values():
+    for function in vars(closures).values():
         getattr(function, "cache_clear", int)()
     return code_hash(*modules, packages=packages)
 

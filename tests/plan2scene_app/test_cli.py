@@ -188,8 +188,8 @@ def test_dxf_layers_by_the_command_line(tmp_path):
 def test_what_a_run_shows_reaches_the_workflow(tmp_path, monkeypatch):
     import yaml
 
-    from plan2scene.config import check_config
     from plan2scene_app import run as runs
+    from plan2scene_app.workflow.config import check_config
 
     asked, make = [], runs.run
     monkeypatch.setattr(runs, "run", lambda request, *_, **__: asked.append(request) or {})

@@ -8,10 +8,9 @@ import sys
 import pytest
 
 from plan2scene.io import write_json
-from plan2scene.plans.formats import reader_code
 from plan2scene.plans.scene_writer import write_scene_json
-from plan2scene.textures.methods import method_code, texture_methods
-from plan2scene_app.exports.registry import export_code
+from plan2scene.textures.methods import texture_methods
+from plan2scene_app.workflow.closures import export_code, method_code, reader_code
 
 pytestmark = pytest.mark.usefixtures("toy_installed")
 

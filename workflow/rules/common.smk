@@ -10,25 +10,34 @@ from pathlib import Path
 
 from snakemake.logging import logger
 
-from plan2scene.config import check_checkpoints, check_config
-from plan2scene.datasets.assignments import lacks_rooms
 from plan2scene.datasets.drops import hidden_photos, read_unobserved
 from plan2scene.datasets.layout import find_layout
-from plan2scene.datasets.house_table import (
-    chosen_crops,
-    photo_paths,
-    safe_names,
-    table_of,
-)
 from plan2scene.errors import InputError
 from plan2scene.images import SUFFIXES
 from plan2scene.photos.labels.imagenet import imagenet_installed
-from plan2scene.plans.formats import may_lack_heights, reader_code
-from plan2scene.provenance import contents_hash, file_hash
-from plan2scene.workflow.closures import rule_code
-from plan2scene.workflow.slurm import check_cluster
+from plan2scene.provenance import file_hash
+from plan2scene.textures.methods import texture_methods
 from plan2scene_app.finishes import finishes_file
-from plan2scene.textures.methods import method_code, texture_methods
+from plan2scene_app.workflow.closures import (
+    contents_hash,
+    export_code,
+    method_code,
+    reader_code,
+    rule_code,
+)
+from plan2scene_app.workflow.config import (
+    check_checkpoints,
+    check_config,
+    chosen_crops,
+    table_of,
+)
+from plan2scene_app.workflow.planning import (
+    lacks_rooms,
+    may_lack_heights,
+    photo_paths,
+    safe_names,
+)
+from plan2scene_app.workflow.slurm import check_cluster
 
 try:
     check_config(config)

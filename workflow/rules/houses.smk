@@ -1,4 +1,4 @@
-from plan2scene_app.exports.registry import export_code, exports
+from plan2scene_app.exports.registry import exports
 
 # Textures by the configured method, from all photos.
 CHOSEN_TEXTURES = f"{RESULTS}/drop_0.0/{config['house']['method']}/{{house}}/textures"

@@ -1,7 +1,7 @@
 """Rule ablation: all houses' ablations -> the second table."""
 
 from plan2scene.evaluation.ablation import ablation_table
-from plan2scene.workflow.jobs import job
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
     ablation_table(

@@ -4,7 +4,7 @@ from plan2scene.datasets.assignments import rooms_of_photos
 from plan2scene.photos.locate.ceilings import measure_ceilings
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.plans.scene_writer import write_scene_json
-from plan2scene.workflow.jobs import job
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
     house = read_scene_json(snakemake.input.drawn, snakemake.wildcards.house)

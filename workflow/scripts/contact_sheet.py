@@ -5,8 +5,8 @@ from pathlib import Path
 
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.stage_json import read_stage_json
-from plan2scene.workflow.jobs import job
 from plan2scene_app.contact_sheet.sheet import SheetFiles, write_contact_sheet
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
     inputs, params = snakemake.input, snakemake.params

@@ -1,7 +1,7 @@
 """Rule convert_checkpoint: a released checkpoint of a network -> our weight file."""
 
 from plan2scene.checkpoints.convert import convert_checkpoint
-from plan2scene.workflow.jobs import job
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
     convert_checkpoint(

@@ -5,7 +5,7 @@ import torch
 from plan2scene.checkpoints.convert import convert_checkpoint
 from plan2scene.checkpoints.means import training_means, training_surfaces
 from plan2scene.plans.scene_json import read_scene_json
-from plan2scene.workflow.jobs import job
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
     torch.set_num_threads(snakemake.threads)

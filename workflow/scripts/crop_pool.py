@@ -1,7 +1,7 @@
 """Rule crop_pool: crops of the pool's houses -> one crop for each of their surfaces."""
 
 from plan2scene.textures.crops import write_pool
-from plan2scene.workflow.jobs import job
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
     write_pool(

@@ -11,7 +11,7 @@ from plan2scene.photos.crops.extract_crops import (
 from plan2scene.photos.crops.sampling import CropSettings
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.stage_json import read_stage_json
-from plan2scene.workflow.jobs import job
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
     params, output = snakemake.params, snakemake.output

@@ -1,8 +1,8 @@
 """Rule doubts: plan, photos and their places -> a page of doubtful results."""
 
 from plan2scene.plans.scene_json import read_scene_json
-from plan2scene.workflow.jobs import job
 from plan2scene_app.doubts.page import DoubtFiles, write_doubts
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
     inputs = snakemake.input

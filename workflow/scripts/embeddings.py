@@ -3,7 +3,7 @@
 import torch
 
 from plan2scene.textures.model.embedding import make_embeddings
-from plan2scene.workflow.jobs import job
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
     torch.set_num_threads(1)  # several crops are processed at the same time

@@ -1,7 +1,7 @@
 """Rule export_house: plan and textures -> the house in another program's file format."""
 
-from plan2scene.workflow.jobs import job
 from plan2scene_app.exports.registry import export_house
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
     export_house(

@@ -1,7 +1,7 @@
 """Rule floorplan: any supported plan -> scene.json."""
 
 from plan2scene.datasets.import_plan import import_plan
-from plan2scene.workflow.jobs import job
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
     import_plan(

@@ -1,7 +1,7 @@
 """Rule house: plan and textures -> GLB, and scene.json with textures."""
 
 from plan2scene.mesh.build import build_house
-from plan2scene.workflow.jobs import job
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
     build_house(

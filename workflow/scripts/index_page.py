@@ -1,7 +1,7 @@
 """Rule index_page: all houses, the table and the plot -> index.html."""
 
-from plan2scene.workflow.jobs import job
 from plan2scene_app.viewer.index_page import write_index
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
     write_index(

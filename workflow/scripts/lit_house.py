@@ -1,7 +1,7 @@
 """Rule lit_house: plan and textures -> GLB with baked light."""
 
-from plan2scene.workflow.jobs import job
 from plan2scene_app.pictures.lit_house import build_lit_house
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
     build_lit_house(

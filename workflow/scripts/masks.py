@@ -5,7 +5,7 @@ from pathlib import Path
 
 from plan2scene.photos.labels.labeller import labeller
 from plan2scene.photos.masks import make_masks
-from plan2scene.workflow.jobs import job
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]) as log:
     params, house_id = snakemake.params, snakemake.wildcards.house

@@ -2,7 +2,7 @@
 
 from plan2scene.propagation.house_materials import find_materials
 from plan2scene.textures.observed_surfaces import select_surfaces
-from plan2scene.workflow.jobs import job
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
     inputs, output, hidden = snakemake.input, snakemake.output, snakemake.params.hidden

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from plan2scene.evaluation.measure import Networks, measure_textures, reference_features
-from plan2scene.workflow.jobs import job
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
     inputs, params = snakemake.input, snakemake.params

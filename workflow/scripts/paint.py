@@ -6,8 +6,8 @@ from plan2scene.paint.surfaces import write_paint
 from plan2scene.plans.room_names import has_bare_floor, is_garage
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.textures.painted import paint_textures
-from plan2scene.workflow.jobs import job
 from plan2scene_app.finishes import read_finishes
+from plan2scene_app.workflow.jobs import job
 
 inputs, output = snakemake.input, snakemake.output
 

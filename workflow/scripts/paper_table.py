@@ -2,7 +2,7 @@
 
 from plan2scene.evaluation.paper_table import paper_table
 from plan2scene.evaluation.tables import TableRequest
-from plan2scene.workflow.jobs import job
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
     paper_table(

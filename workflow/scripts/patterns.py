@@ -8,7 +8,7 @@ from plan2scene.photos.patterns.views import PhotoFiles
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.propagation.substances import jointed_floors
 from plan2scene.stage_json import read_stage_json
-from plan2scene.workflow.jobs import job
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
     inputs, params = snakemake.input, snakemake.params

@@ -3,8 +3,8 @@
 import json
 from pathlib import Path
 
-from plan2scene.workflow.jobs import job
 from plan2scene_app.pictures.house_pictures import draw_house
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
     inputs, output, params = snakemake.input, snakemake.output, snakemake.params

@@ -3,7 +3,7 @@
 from plan2scene.datasets.assignments import rooms_of_photos
 from plan2scene.photos.locate.locate_photos import locate_photos, write_photo_rooms
 from plan2scene.plans.scene_json import read_scene_json
-from plan2scene.workflow.jobs import job
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
     masks, cameras = snakemake.input.get("masks"), snakemake.output.get("cameras")

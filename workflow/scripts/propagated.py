@@ -3,7 +3,7 @@
 import torch
 
 from plan2scene.propagation.propagate import propagate_house
-from plan2scene.workflow.jobs import job
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
     torch.set_num_threads(snakemake.threads)

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from plan2scene.datasets.assignments import rooms_of_photos
 from plan2scene.plans.scene_json import read_scene_json
-from plan2scene.workflow.jobs import job
 from plan2scene_app.study.study_sheet import write_study_sheet
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
     house = read_scene_json(snakemake.input.scene, snakemake.wildcards.house)

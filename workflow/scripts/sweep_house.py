@@ -4,7 +4,7 @@ from pathlib import Path
 
 from plan2scene.evaluation.houses import EvaluatedHouse
 from plan2scene.evaluation.sweep import sweep_house
-from plan2scene.workflow.jobs import job
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
     sweep_house(

@@ -1,7 +1,7 @@
 """Rule texture_library: procedural materials or a user's folder -> tiles to retrieve from."""
 
 from plan2scene.textures.library import write_library
-from plan2scene.workflow.jobs import job
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
     write_library(

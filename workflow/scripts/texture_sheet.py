@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from plan2scene.workflow.jobs import job
 from plan2scene_app.pictures.texture_sheet import write_texture_sheet
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
     folder = Path(snakemake.input.textures) / "0.0"

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from plan2scene.textures.house_textures import make_textures
 from plan2scene.textures.inputs import HouseData, HouseFiles, TextureSettings, Visible
-from plan2scene.workflow.jobs import job
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
     inputs, params = snakemake.input, snakemake.params

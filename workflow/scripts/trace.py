@@ -1,7 +1,7 @@
 """Rule trace: a picture of a plan -> plan JSON, overlay, doubts."""
 
-from plan2scene.workflow.jobs import job
 from plan2scene_app.tracing.trace import write_trace
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
     write_trace(

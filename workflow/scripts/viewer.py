@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from plan2scene.plans.scene_json import read_scene_json
-from plan2scene.workflow.jobs import job
 from plan2scene_app.viewer.viewer_page import build_viewer, read_facts
+from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
     house_id, inputs = snakemake.wildcards.house, snakemake.input

@@ -4,8 +4,8 @@ from dataclasses import fields
 from pathlib import Path
 
 import plan2scene_workshop
-from plan2scene import provenance
 from plan2scene.weights import MODELS
+from plan2scene_app.workflow import closures
 from plan2scene_workshop.homes.residences import ResidenceOptions, residence_names
 from snakemake.utils import validate
 
@@ -22,8 +22,8 @@ TRAINED = "results/training/models"
 # unfinished alone. It is a param: Snakemake removes what a failed job declares as output.
 
 code_hash = functools.partial(
-    provenance.code_hash,
-    packages=(Path(plan2scene_workshop.__file__).parent, *provenance.PACKAGES),
+    closures.code_hash,
+    packages=(Path(plan2scene_workshop.__file__).parent, *closures.PACKAGES),
 )
 
 

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from plan2scene.workflow.jobs import job
+from plan2scene_app.workflow.jobs import job
 from plan2scene_workshop.homes.residences import ResidenceOptions, write_residence
 from plan2scene_workshop.homes.snapshots import SnapshotOptions, write_snapshots
 from plan2scene_workshop.rendering.sources import load_sources

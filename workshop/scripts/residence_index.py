@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from plan2scene.workflow.jobs import job
+from plan2scene_app.workflow.jobs import job
 from plan2scene_workshop.homes.residences import write_dataset_index
 
 with job(snakemake.log[0]) as logger:

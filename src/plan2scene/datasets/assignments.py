@@ -113,14 +113,6 @@ def read_rows(path: str | Path, *, house_id: str = "") -> list[PhotoAssignment]:
     return rows
 
 
-def lacks_rooms(path: str | Path) -> bool:
-    """Return whether a photo table has a row without a room; False if it cannot be read."""
-    try:
-        return any(not row.room_id for row in read_rows(path))
-    except InputError:
-        return False  # the job that reads it reports the fault
-
-
 def check_assignment(
     house: House,
     assignments: Sequence[PhotoAssignment],

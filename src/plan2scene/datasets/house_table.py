@@ -7,15 +7,15 @@ the data lists. Faults of one house are reported by its own jobs.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from itertools import zip_longest
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from plan2scene.datasets.assignments import read_rows
-from plan2scene.datasets.layout import Layout, find_layout, require_data_set
+from plan2scene.datasets.layout import Layout, require_data_set
 from plan2scene.errors import InputError
 from plan2scene.house import MAX_ID_LENGTH
 from plan2scene.io import read_text, safe_join
@@ -166,50 +166,3 @@ def _row(
             warnings.append(str(error))
     named = layout.relative(assignment) if assignment.is_file() else ""
     return TableRow(house_id, split, layout.relative(plan), named, tuple(dict.fromkeys(photos)))
-
-
-def table_of(dataset: Mapping[str, Any]) -> HouseTable:
-    """Return the house table of a data set; if none is named, make it from the data lists.
-
-    `dataset` is the section ``dataset`` of the configuration. InputError if there is no data set in
-    its ``root``.
-    """
-    if dataset["table"] is not None:
-        return read_table(find_layout(dataset["root"]).data / dataset["table"])
-    return table_of_lists(dataset["root"], architecture=dataset["architecture"])
-
-
-def chosen_crops(layout: Layout, crops: Mapping[str, Any]) -> dict[str, Any]:
-    """Return ``{"source", "folder"}`` of the section ``crops``, with ``auto`` resolved.
-
-    Then precomputed crops of Rent3D++ are taken if the data set has them or a folder is named;
-    else crops are sampled from the photos.
-    """
-    source, folder = crops["source"], crops["folder"]
-    if source == "sampled":
-        return {"source": source, "folder": folder}
-    if folder is None and layout.surface_crops is not None:
-        folder = str(layout.surface_crops)
-    if source == "auto":
-        source = "sampled" if folder is None else "precomputed"
-    if source == "precomputed" and folder is None:
-        expected = "crops.folder, or surface_crops/ with the data set"
-        raise InputError(expected, "neither", file=layout.processed)
-    return {"source": source, "folder": folder}
-
-
-def photo_paths(folder: Path, names: Iterable[str]) -> list[Path]:
-    """Return the paths of those photos that exist; unsafe names are left out."""
-    return [path for name in safe_names(names) if (path := folder / name).is_file()]
-
-
-def safe_names(names: Iterable[str]) -> list[str]:
-    """Return the names of photos that are safe in a path; the house's jobs report the others."""
-    safe = []
-    for name in names:
-        try:
-            safe_join("", name)
-        except InputError:
-            continue
-        safe.append(name)
-    return safe

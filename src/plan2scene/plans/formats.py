@@ -14,7 +14,7 @@ from pathlib import Path
 from plan2scene.errors import InputError, WorkflowError, system_fault
 from plan2scene.house import House
 from plan2scene.plans.plan_file import PlanFile, PlanFormat
-from plan2scene.plugins import code_of, installed, plugins
+from plan2scene.plugins import installed, plugins
 
 _LOG = logging.getLogger("plan2scene")
 GROUP = "plan2scene.plan_formats"  #: Entry points of this group name a :class:`PlanFormat`
@@ -23,19 +23,6 @@ GROUP = "plan2scene.plan_formats"  #: Entry points of this group name a :class:`
 def plan_formats() -> tuple[PlanFormat, ...]:
     """Return all registered formats in the order in which they are tried."""
     return tuple(sorted(plugins(GROUP, PlanFormat).values(), key=lambda item: item.fallback))
-
-
-def reader_code(suffix: str) -> list[str]:
-    """Return strings that change with the code of the readers of this suffix (if none, of all)."""
-    named = [item.name for item in plan_formats() if suffix in item.suffixes]
-    return code_of(GROUP, PlanFormat, *(named or plugins(GROUP, PlanFormat)))
-
-
-def may_lack_heights(path: Path) -> bool:
-    """Return whether a plan may lack heights of ceilings, by the file's name and first bytes."""
-    plan = PlanFile(path, "")
-    suffix = path.suffix.lower()
-    return any(item.lacks_heights(plan) for item in plan_formats() if suffix in item.suffixes)
 
 
 def format_of(plan: PlanFile) -> PlanFormat | None:

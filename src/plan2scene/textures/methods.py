@@ -12,7 +12,7 @@ from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
 from plan2scene.errors import InputError
-from plan2scene.plugins import code_of, plugins
+from plan2scene.plugins import plugins
 
 if TYPE_CHECKING:
     from plan2scene.house import SurfaceKey
@@ -51,11 +51,6 @@ class TextureMethod:
 def texture_methods() -> dict[str, TextureMethod]:
     """Return the methods of all installed packages by name."""
     return plugins(GROUP, TextureMethod)
-
-
-def method_code(*names: str) -> list[str]:
-    """Return strings that change whenever the code of these methods changes."""
-    return code_of(GROUP, TextureMethod, *names)
 
 
 def method_named(name: str) -> TextureMethod:

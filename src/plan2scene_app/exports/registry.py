@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from plan2scene.errors import InputError
 from plan2scene.io import read_json, write_json
-from plan2scene.plugins import code_of, installed, plugins
+from plan2scene.plugins import installed, plugins
 
 if TYPE_CHECKING:
     from plan2scene.house import House, SurfaceKey
@@ -60,11 +60,6 @@ class Export:
 def exports() -> dict[str, Export]:
     """Return the exports of all installed packages by name."""
     return plugins(GROUP, Export)
-
-
-def export_code(name: str) -> list[str]:
-    """Return strings that change when the code of an export changes."""
-    return code_of(GROUP, Export, name)
 
 
 def _usd(house: House, textures: Textures, folder: Path) -> None:

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from plan2scene.datasets.assignments import lacks_rooms
 from plan2scene.errors import InputError
 from plan2scene.images import write_png
 from plan2scene.io import read_json
@@ -16,6 +15,7 @@ from plan2scene.photos.labels import palette as masks
 from plan2scene.photos.labels.labeller import Labelled, Labeller, labeller
 from plan2scene.photos.masks import make_masks
 from plan2scene.photos.photo_files import read_photo
+from plan2scene_app.workflow.planning import lacks_rooms
 
 
 def _photo(height: int = 60, width: int = 80) -> np.ndarray:

@@ -7,9 +7,10 @@ import pytest
 from plan_drawing import refusal
 
 from plan2scene.errors import InputError
-from plan2scene.plans.formats import may_lack_heights, plan_formats, read_plan
+from plan2scene.plans.formats import plan_formats, read_plan
 from plan2scene.plans.plan_file import PlanFile
 from plan2scene.provenance import WORKFLOW
+from plan2scene_app.workflow.planning import may_lack_heights
 
 
 def written(tmp_path, text):

@@ -5,7 +5,7 @@ from importlib.metadata import entry_points
 import pytest
 
 from plan2scene.plans.formats import GROUP
-from plan2scene.workflow.closures import rule_modules, rules
+from plan2scene_app.workflow.closures import rule_modules, rules
 
 CLOSURES = {rule: set(rule_modules(rule)) for rule in rules()}
 
@@ -47,4 +47,4 @@ def test_a_door_s_mesh_is_of_houses_alone():
 @pytest.mark.parametrize("rule", CLOSURES)
 def test_every_rule_hangs_on_its_script_s_modules(rule):
     assert CLOSURES[rule]
-    assert not [name for name in CLOSURES[rule] if name.startswith("plan2scene.workflow")]
+    assert not [name for name in CLOSURES[rule] if name.startswith("plan2scene_app.workflow")]

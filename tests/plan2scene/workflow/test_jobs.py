@@ -1,7 +1,7 @@
 import pytest
 
 from plan2scene.errors import InputError
-from plan2scene.workflow.jobs import job
+from plan2scene_app.workflow.jobs import job
 
 
 def test_a_fault_of_the_input_is_one_line_and_exit_code_1(tmp_path, capsys):

@@ -3,7 +3,7 @@
 import pytest
 
 from plan2scene.errors import InputError
-from plan2scene.workflow.slurm import check_cluster, check_status, read_settings
+from plan2scene_app.workflow.slurm import check_cluster, check_status, read_settings
 
 SHOWN = """Configuration data as of 2026-11-22T06:00:00
 AccountingStorageType   = accounting_storage/{}

@@ -9,7 +9,7 @@ from typing import Any
 
 import torch
 
-from plan2scene.workflow.jobs import job
+from plan2scene_app.workflow.jobs import job
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""The workflow's configuration: its schema, completed with the registered texture methods."""
+"""The workflow's configuration: its schema, its checks, and what sections of it mean."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from plan2scene.datasets.house_table import HouseTable, read_table, table_of_lists
+from plan2scene.datasets.layout import Layout, find_layout
 from plan2scene.errors import InputError
 from plan2scene.provenance import WORKFLOW
 from plan2scene.textures.methods import texture_methods
@@ -71,3 +73,33 @@ def check_checkpoints(config: Mapping[str, Any]) -> None:
     for name, path in paths.items():
         if path is not None and not Path(path).is_file():
             raise InputError(f"a checkpoint ({name})", "no such file", file=path)
+
+
+def table_of(dataset: Mapping[str, Any]) -> HouseTable:
+    """Return the house table of a data set; if none is named, make it from the data lists.
+
+    `dataset` is the section ``dataset`` of the configuration. InputError if there is no data set in
+    its ``root``.
+    """
+    if dataset["table"] is not None:
+        return read_table(find_layout(dataset["root"]).data / dataset["table"])
+    return table_of_lists(dataset["root"], architecture=dataset["architecture"])
+
+
+def chosen_crops(layout: Layout, crops: Mapping[str, Any]) -> dict[str, Any]:
+    """Return ``{"source", "folder"}`` of the section ``crops``, with ``auto`` resolved.
+
+    Then precomputed crops of Rent3D++ are taken if the data set has them or a folder is named;
+    else crops are sampled from the photos.
+    """
+    source, folder = crops["source"], crops["folder"]
+    if source == "sampled":
+        return {"source": source, "folder": folder}
+    if folder is None and layout.surface_crops is not None:
+        folder = str(layout.surface_crops)
+    if source == "auto":
+        source = "sampled" if folder is None else "precomputed"
+    if source == "precomputed" and folder is None:
+        expected = "crops.folder, or surface_crops/ with the data set"
+        raise InputError(expected, "neither", file=layout.processed)
+    return {"source": source, "folder": folder}
