@@ -28,13 +28,12 @@ from PIL import Image
 
 from plan2scene.house import DEFAULT_HEIGHT, House
 from plan2scene.io import read_json
-from plan2scene.photos.locate.ceilings import ceiling_height
 from plan2scene.photos.locate.likelihood import OPENING
 from plan2scene.photos.locate.locate_photos import Shot, locate_shots, read_shots
 from plan2scene.photos.locate.pose import LOCATED
-from plan2scene.plans.levels import with_ceilings
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.plans.usual_windows import with_usual_windows
+from plan2scene_app.heights.ceilings import ceiling_height, with_ceilings
 
 #: A heading is right if its error is smaller than this, degrees.
 RIGHT_DEG = 30.0

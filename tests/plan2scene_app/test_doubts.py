@@ -11,8 +11,8 @@ from plan2scene.datasets.assignments import read_rows
 from plan2scene.house import FROM_PHOTOS, USUAL
 from plan2scene.images import write_png
 from plan2scene.io import write_json
-from plan2scene.plans.levels import with_ceilings
 from plan2scene_app.doubts.page import DoubtFiles, PlacedPhoto, doubt_lines, write_doubts
+from plan2scene_app.heights.ceilings import with_ceilings
 
 
 def test_each_photo_is_shown_in_its_room_and_each_doubt_told(tmp_path):

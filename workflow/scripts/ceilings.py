@@ -1,9 +1,9 @@
 """Rule ceilings: a plan that may lack heights, and masks of the photos -> scene.json."""
 
 from plan2scene.datasets.assignments import rooms_of_photos
-from plan2scene.photos.locate.ceilings import measure_ceilings
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.plans.scene_writer import write_scene_json
+from plan2scene_app.heights.ceilings import measure_ceilings
 from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):

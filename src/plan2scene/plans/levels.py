@@ -88,36 +88,6 @@ def level_of(
     raise source.fault(expected, "none" if named is None else repr(named), room)
 
 
-def with_ceilings(house: House, height: float) -> House:
-    """Return a house with all its ceilings at `height` metres.
-
-    Walls end there. Openings that reached the ceiling still do, others stay below it. Upper levels
-    move with the ceilings below them: slabs keep their thickness.
-    """
-    levels: list[Level] = []
-    for level in house.levels:
-        if levels:
-            below = house.levels[len(levels) - 1]
-            slab = level.elevation - below.elevation - below.height
-            elevation = round(levels[-1].elevation + height + slab, 4)
-        else:
-            elevation = level.elevation
-        levels.append(replace(level, elevation=elevation, height=height))
-    walls = [
-        replace(
-            wall,
-            height=height,
-            openings=tuple(
-                replace(opening, top=height if wall.full(opening) else min(opening.top, height))
-                for opening in wall.openings
-            ),
-        )
-        for wall in house.walls
-    ]
-    rooms = tuple(replace(room, height=height) for room in house.rooms)
-    return replace(house, rooms=rooms, walls=tuple(walls), levels=tuple(levels))
-
-
 def read_flight(source: Source, name: str, entry: Mapping[str, Any], level: str) -> Stairs:
     """Return the flight of an entry ``from``, ``to``, ``width``, not yet linked with rooms."""
     start, end = (source.point(entry.get(key), f"stairs {name}") for key in ("from", "to"))

@@ -11,9 +11,8 @@ from plan2scene.house import FROM_PHOTOS, USUAL
 from plan2scene.io import write_json
 from plan2scene.photos.camera.calibration import canonical
 from plan2scene.photos.labels.palette import write_label_png
-from plan2scene.photos.locate.ceilings import ceiling_height, measure_ceilings
 from plan2scene.photos.locate.locate_photos import Shot
-from plan2scene.plans.levels import with_ceilings
+from plan2scene_app.heights.ceilings import ceiling_height, measure_ceilings, with_ceilings
 
 VIEWS = [
     (230.0, (0.6, 1.5, 2.9)),

@@ -11,8 +11,8 @@ from plan2scene.photos.camera.calibration import canonical
 from plan2scene.photos.labels.palette import WALL, WINDOW
 from plan2scene.photos.locate.locate_photos import Shot, locate_shots
 from plan2scene.photos.locate.plan_view import UNDRAWN, room_shapes, searched_shapes
-from plan2scene.photos.locate.seen_windows import with_seen_windows
 from plan2scene.plans.usual_windows import guesses_windows, with_usual_windows
+from plan2scene_app.heights.seen_windows import with_seen_windows
 
 TRUE = box_house()
 #: Views that show the door or a window, with a corner.

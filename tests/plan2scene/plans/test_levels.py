@@ -8,11 +8,11 @@ import pytest
 from plan2scene.errors import InputError
 from plan2scene.house import USUAL, Level
 from plan2scene.plans.formats import read_plan
-from plan2scene.plans.levels import with_ceilings
 from plan2scene.plans.plan_json import house_of_plan
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene.plans.validate import house_faults, validate_house
+from plan2scene_app.heights.ceilings import with_ceilings
 from plan2scene_app.plan_writer import house_to_plan
 
 EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "two_storeys" / "plan.json"

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy as np
 from plan2scene.camera import Camera
 from plan2scene.errors import InputError
 from plan2scene.house import House
+from plan2scene.photos.locate.plan_view import RoomShape, look
 from plan2scene.stage_json import read_stage_json
 
 #: A photo with at least this probability counts as located.
@@ -46,6 +48,23 @@ def turned(camera: Camera, turn: float) -> Camera:
     sine, cosine = np.sin(turn), np.cos(turn)
     to_frame = np.array([[cosine, 0.0, -sine], [0.0, 1.0, 0.0], [sine, 0.0, cosine]])
     return camera.with_rotation(camera.matrix @ to_frame)
+
+
+def points_shown(
+    points: np.ndarray, pose: Pose, shapes: Mapping[str, RoomShape], hole: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return pixels (n, 2) of points (n, 3) in an opening, and which the photo shows, (n,) bool.
+
+    `hole` is the number of the opening in the pose's room; no wall of the room hides those shown.
+    """
+    camera = replace(pose.camera, position=pose.position)
+    pixels = camera.project(points)
+    inside = (pixels >= 0) & (pixels <= np.array([camera.width - 1, camera.height - 1]))
+    eye = pose.eye[[0, 2]]
+    away = points[:, [0, 2]] - eye
+    azimuth = np.arctan2(away[:, 0], away[:, 1])
+    sight = look(shapes, pose.room_id, np.tile(eye, (len(points), 1)), azimuth)
+    return pixels, inside.all(axis=1) & (sight.hole == hole)
 
 
 def pose_to_json(camera: Camera, pose: Pose | None) -> dict[str, Any]:

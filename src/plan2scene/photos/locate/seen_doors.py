@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
 from plan2scene.photos.labels.palette import CEILING, FLOOR, OTHER, WALL
-from plan2scene.photos.locate.plan_view import Hole, RoomShape, look
-from plan2scene.photos.locate.pose import Pose
+from plan2scene.photos.locate.plan_view import Hole, RoomShape
+from plan2scene.photos.locate.pose import Pose, points_shown
 
 
 @dataclass(frozen=True)
@@ -81,18 +81,10 @@ def _holes_in_sight(
 ) -> Iterator[tuple[str, np.ndarray]]:
     """Yield (opening id, visible pixels (n, 2)) of the doors of the pose's room."""
     shape = shapes[pose.room_id]
-    camera = replace(pose.camera, position=pose.position)
     for index, hole in enumerate(shape.holes):
         if hole.kind != "door":
             continue
-        points = _leaf_points(shape, hole)
-        pixels = camera.project(points)
-        inside = (pixels >= 0) & (pixels <= np.array([camera.width - 1, camera.height - 1]))
-        eye = pose.eye[[0, 2]]
-        away = points[:, [0, 2]] - eye
-        azimuth = np.arctan2(away[:, 0], away[:, 1])
-        sight = look(shapes, pose.room_id, np.tile(eye, (len(points), 1)), azimuth)
-        shown = inside.all(axis=1) & (sight.hole == index)  # no wall of the room hides it
+        pixels, shown = points_shown(_leaf_points(shape, hole), pose, shapes, index)
         if shown.mean() >= DOORS.least_seen:
             yield hole.opening_id, np.unique(np.rint(pixels[shown]).astype(int), axis=0)[:, ::-1]
 

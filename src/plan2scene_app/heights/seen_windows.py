@@ -17,10 +17,9 @@ from plan2scene.photos.locate.plan_view import (
     UNDRAWN,
     Hole,
     RoomShape,
-    look,
     searched_shapes,
 )
-from plan2scene.photos.locate.pose import Pose
+from plan2scene.photos.locate.pose import Pose, points_shown
 from plan2scene.plans.openings import Segment, place_openings
 from plan2scene.plans.parse import Source
 
@@ -44,8 +43,8 @@ SEEN_WINDOWS = SeenWindowSettings()
 def with_seen_windows(house: House, shots: Mapping[str, Shot], poses: Mapping[str, Pose]) -> House:
     """Return a house in which the windows that its photos show replace the guessed ones.
 
-    `poses` are those of :func:`.locate_photos.locate_shots`. A room keeps its guesses if no located
-    photo shows a window in it.
+    `poses` are those of `locate_photos.locate_shots`. A room keeps its guesses if no located photo
+    shows a window in it.
     """
     shapes = searched_shapes(house)
     segments_of_room: dict[str, list[Segment]] = {}
@@ -95,14 +94,7 @@ def _likely(
     points = np.stack([floor[:, 0], height, floor[:, 1]], axis=1)
     total, count = np.zeros(len(points)), np.zeros(len(points))
     for shot, pose in views:
-        camera = replace(pose.camera, position=pose.position)
-        eye = pose.eye[[0, 2]]
-        away = floor - eye
-        azimuth = np.arctan2(away[:, 0], away[:, 1])
-        sight = look(shapes, shape.room_id, np.tile(eye, (len(floor), 1)), azimuth)
-        pixels = camera.project(points)
-        inside = (pixels >= 0) & (pixels <= np.array([camera.width - 1, camera.height - 1]))
-        shown = inside.all(axis=1) & (sight.hole == number)
+        pixels, shown = points_shown(points, pose, shapes, number)
         column, row = np.rint(pixels[shown]).astype(int).T
         total[shown] += _window(shot)[row, column]
         count[shown] += 1

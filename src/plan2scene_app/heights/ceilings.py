@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from plan2scene.house import FROM_PHOTOS, USUAL, House
+from plan2scene.house import FROM_PHOTOS, USUAL, House, Level
 from plan2scene.parallel import each
 from plan2scene.photos.locate.likelihood import log_table
 from plan2scene.photos.locate.locate_photos import (
@@ -26,12 +26,11 @@ from plan2scene.photos.locate.locate_photos import (
 from plan2scene.photos.locate.locate_settings import LOCATE
 from plan2scene.photos.locate.plan_view import searched_shapes
 from plan2scene.photos.locate.search import HeightPrior, RoomSearch
-from plan2scene.photos.locate.seen_windows import with_seen_windows
 from plan2scene.photos.locate.spots import Turned, spots_of
 from plan2scene.photos.locate.which_room import WHICH
 from plan2scene.plans.geometry import room_polygon
-from plan2scene.plans.levels import with_ceilings
 from plan2scene.plans.usual_windows import guesses_windows
+from plan2scene_app.heights.seen_windows import with_seen_windows
 
 _log = logging.getLogger("plan2scene")
 
@@ -57,6 +56,36 @@ class CeilingSettings:
 CEILINGS = CeilingSettings()
 
 
+def with_ceilings(house: House, height: float) -> House:
+    """Return a house with all its ceilings at `height` metres.
+
+    Walls end there. Openings that reached the ceiling still do, others stay below it. Upper levels
+    move with the ceilings below them: slabs keep their thickness.
+    """
+    levels: list[Level] = []
+    for level in house.levels:
+        if levels:
+            below = house.levels[len(levels) - 1]
+            slab = level.elevation - below.elevation - below.height
+            elevation = round(levels[-1].elevation + height + slab, 4)
+        else:
+            elevation = level.elevation
+        levels.append(replace(level, elevation=elevation, height=height))
+    walls = [
+        replace(
+            wall,
+            height=height,
+            openings=tuple(
+                replace(opening, top=height if wall.full(opening) else min(opening.top, height))
+                for opening in wall.openings
+            ),
+        )
+        for wall in house.walls
+    ]
+    rooms = tuple(replace(room, height=height) for room in house.rooms)
+    return replace(house, rooms=rooms, walls=tuple(walls), levels=tuple(levels))
+
+
 def ceiling_height(
     house: House,
     shots: Mapping[str, Shot],
@@ -66,7 +95,7 @@ def ceiling_height(
     """Return the ceiling height that fits photos best, metres, rounded to a centimetre.
 
     None if no photo has a Manhattan frame. `same_spot` and `threads` are those of
-    :func:`.locate_photos.locate_shots`.
+    `locate_photos.locate_shots`.
     """
     rooms = {name: shot.rooms for name, shot in shots.items() if not shot.camera.fallback}
     all_spots = spots_of({name: own for name, own in rooms.items() if own}, same_spot or {})
@@ -130,7 +159,7 @@ def measure_ceilings(
     """Return a house with the ceiling height and windows of its photos, if its plan lacks heights.
 
     Windows are replaced only if those of the plan are guesses. The arguments are those of
-    :func:`.locate_photos.locate_photos`.
+    :func:`~plan2scene.photos.locate.locate_photos.locate_photos`.
     """
     if house.heights != USUAL:
         return house
