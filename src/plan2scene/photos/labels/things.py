@@ -5,6 +5,8 @@ Nothing is trained here: a table says how likely each thing is in each kind of r
 
 from __future__ import annotations
 
+import csv
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,52 +30,22 @@ LEAST_SURE = 0.05
 #: Power of the odds. Chosen by hand, as the table and `LEAST_SURE`, on two real listings and a flat
 #: (development).
 SHARPNESS = 3.0
+
+
+def _read_things() -> tuple[list[list[int]], np.ndarray]:
+    """Return the ImageNet classes of each row of things.csv, and its shares (t, k) of `KINDS`."""
+    text = Path(__file__).with_name("things.csv").read_text(encoding="utf-8")
+    rows = list(csv.DictReader(text.splitlines()))
+    classes = [[int(number) for number in row["classes"].split()] for row in rows]
+    return classes, np.array([[float(row.get(kind) or 0.0) for kind in KINDS] for row in rows])
+
+
 #: For each thing, its ImageNet classes and its shares: which share of the photos that show it are
 #: of each kind of room. For receptions it is .6 of that share, because they are photographed most,
-#: and `which_room` takes that into account. Kinds that are not named have share 0. Classes that an
-#: empty white room resembles are left out: refrigerator, dishwasher, shower curtain, paper, soap.
-THINGS: tuple[tuple[tuple[int, ...], dict[str, float]], ...] = (
-    # bathtub, hot tub, toilet seat, bath towel
-    ((435, 876, 861, 434), {"Bathroom": 0.9}),
-    # washbasin
-    ((896,), {"Bathroom": 0.65, "Kitchen": 0.3}),
-    # medicine cabinet; many cupboards look like one
-    ((648,), {"Bathroom": 0.4, "Closet": 0.2, "Kitchen": 0.2, "Bedroom": 0.15}),
-    # four-poster, quilt, mosquito net, infant bed, cradle, bassinet, pillow, pyjamas
-    ((564, 750, 669, 520, 516, 431, 721, 697), {"Bedroom": 0.85, "Reception": 0.06}),
-    # couch; some beds look like one
-    ((831,), {"Reception": 0.36, "Bedroom": 0.3, "Kitchen": 0.1}),
-    # home theatre, entertainment centre, television, rocking chair, fire screen, pianos, pool
-    # table, loudspeaker
-    (
-        (598, 548, 851, 765, 556, 881, 579, 736, 632),
-        {"Reception": 0.48, "Bedroom": 0.15, "Kitchen": 0.05},
-    ),
-    # stove, microwave, plate rack, espresso machine, toaster, waffle iron, rotisserie, pots, pans,
-    # bowls and what lies in them
-    (
-        (827, 651, 729, 550, 859, 891, 766)
-        + (544, 909, 567, 505, 849, 659, 521, 813, 618, 828, 533, 647, 809),
-        {"Kitchen": 0.85, "Reception": 0.06},
-    ),
-    # dining table, restaurant
-    ((532, 762), {"Reception": 0.3, "Kitchen": 0.45}),
-    # desk, computers, screens, keyboard, printer, filing cabinet
-    (
-        (526, 527, 620, 681, 664, 782, 508, 742, 553),
-        {"Bedroom": 0.5, "Reception": 0.21, "Kitchen": 0.05},
-    ),
-    # bookcase, library, bookshop
-    ((453, 624, 454), {"Reception": 0.3, "Bedroom": 0.3, "Corridor": 0.1}),
-    # wardrobe, chiffonier
-    ((894, 493), {"Bedroom": 0.5, "Closet": 0.3, "Corridor": 0.1}),
-    # table lamp, lampshade
-    ((846, 619), {"Bedroom": 0.5, "Reception": 0.24}),
-    # washing machine
-    ((897,), {"Bathroom": 0.45, "Kitchen": 0.35, "Closet": 0.2}),
-    # handrail
-    ((421,), {"Corridor": 0.7, "Reception": 0.09}),
-)
+#: and `which_room` takes that into account. Kinds without a share have 0. Many cupboards look like
+#: a medicine cabinet, some beds like a couch. Classes that an empty white room resembles are left
+#: out: refrigerator, dishwasher, shower curtain, paper, soap.
+THINGS, SHARES = _read_things()
 #: Classes of outdoor scenes: land and shore, buildings, fences, bridges, street, vehicles.
 OUTDOORS = (
     *(970, 972, 975, 976, 977, 978, 979, 980),
@@ -101,7 +73,7 @@ class ThingKinds:
         side_quantiles = []
         for side in SIDES:
             classes = self._classes(image, side)
-            things = np.stack([classes[:, list(names)].sum(axis=1) for names, _ in THINGS])
+            things = np.stack([classes[:, names].sum(axis=1) for names in THINGS])
             side_quantiles.append(np.quantile(things, SHARE, axis=1))
         return np.asarray(np.mean(side_quantiles, axis=0))
 
@@ -144,8 +116,8 @@ class ThingKinds:
 
         A thing that is not seen changes nothing.
         """
-        shares = [[found.get(kind, 0.0) + _LEAST for kind in KINDS] for _, found in THINGS]
-        odds = np.array(shares) / np.mean(shares, axis=1, keepdims=True)
+        shares = SHARES + _LEAST
+        odds = shares / np.mean(shares, axis=1, keepdims=True)
         sure = np.maximum(self.seen(image) - LEAST_SURE, 0.0) / (1.0 - LEAST_SURE)
         log = SHARPNESS * np.log1p(sure[:, None] * (odds - 1.0)).sum(axis=0)
         share = np.exp(log - log.max())
