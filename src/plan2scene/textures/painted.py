@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 
 from plan2scene.colour import (
@@ -27,6 +26,7 @@ from plan2scene.colour import (
 from plan2scene.house import SURFACES, SurfaceKey
 from plan2scene.images import jpeg_bytes, read_image, write_png
 from plan2scene.io import atomic_directory, write_json
+from plan2scene.materials.periodic_noise import blur
 from plan2scene.mesh.texture_files import texture_index
 from plan2scene.paint.estimate import PaintPrior
 from plan2scene.paint.light import repainted
@@ -373,8 +373,8 @@ def plain(image: np.ndarray, colour: np.ndarray, px_per_m: float) -> tuple[np.nd
     strength is the standard deviation of log brightness.
     """
     axes = log_axes(srgb_to_linear(image)).astype(np.float32)
-    pattern = float((axes - _slow(axes, _PLAIN.slow_m * px_per_m))[..., 0].std())
-    detail = axes - _slow(axes, _PLAIN.smear_m * px_per_m)
+    pattern = float((axes - blur(axes, _PLAIN.slow_m * px_per_m))[..., 0].std())
+    detail = axes - blur(axes, _PLAIN.smear_m * px_per_m)
     faint = np.clip(detail[..., 1:], -_PLAIN.noise, _PLAIN.noise)
     detail[..., 1:] -= faint
     detail[..., 0] -= np.median(detail[..., 0])
@@ -391,25 +391,17 @@ def stains(image: np.ndarray, px_per_m: float) -> float:
     The standard deviation of its log colours between `PlainSettings.smear_m` and `slow_m`.
     """
     axes = log_axes(srgb_to_linear(image)).astype(np.float32)
-    smeared, slow = (_slow(axes, m * px_per_m) for m in (_PLAIN.smear_m, _PLAIN.slow_m))
+    smeared, slow = (blur(axes, m * px_per_m) for m in (_PLAIN.smear_m, _PLAIN.slow_m))
     return float(np.sqrt((smeared - slow).var(axis=(0, 1)).sum()))
 
 
 def is_upright(image: np.ndarray, size_m: float) -> bool:
     """Return whether the pattern of a tile (h, w, 3) uint8 sRGB runs from top to bottom alone."""
     axes = log_axes(srgb_to_linear(image)).astype(np.float32)[..., :1]
-    pattern = (axes - _slow(axes, _PLAIN.slow_m * len(image) / size_m).reshape(axes.shape))[..., 0]
+    pattern = (axes - blur(axes, _PLAIN.slow_m * len(image) / size_m).reshape(axes.shape))[..., 0]
     upright, level = (float(pattern.mean(axis=axis).var()) for axis in (0, 1))
     varies = float(pattern.var())
     return upright > UPRIGHT[0] * varies and level < UPRIGHT[1] * varies
-
-
-def _slow(axes: np.ndarray, sigma: float) -> np.ndarray:
-    """Return a periodic tile (h, w, 3) float32 blurred by a Gaussian of `sigma` pixels."""
-    pad = int(np.ceil(3 * sigma))
-    padded = np.pad(axes, ((pad, pad), (pad, pad), (0, 0)), mode="wrap")
-    slow = cv2.GaussianBlur(padded, (0, 0), sigma)
-    return np.asarray(slow[pad:-pad, pad:-pad] if pad else slow)
 
 
 def expected_error(key: SurfaceKey, *, seen: bool, coloured: bool) -> float:
