@@ -219,12 +219,24 @@ def on_paper(image: Image.Image) -> Image.Image:
 
 def photographed(image: Image.Image) -> Image.Image:
     """Return a phone's photo of a printed picture, held obliquely over a table in uneven light."""
-    size = (3000, 2250) if image.width > image.height else (2250, 3000)
     page = ImageOps.expand(image, round(0.05 * max(image.size)), "white")
-    sides = np.array(page.size) / max(page.size)
-    corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * sides / 2
-    turn = cv2.Rodrigues(np.radians([[20.0], [-12.0], [4.0]]))[0]
-    points = np.c_[corners, np.zeros(4)] @ turn.T + [0, 0, 1.25]
+    return _photo(page, max(page.size), (20.0, -12.0, 4.0), 1.25)
+
+
+def close_up(image: Image.Image) -> Image.Image:
+    """Return a phone's photo of a printed picture that fills it, held a little aside."""
+    page = ImageOps.expand(image, max(image.size) // 2, "white")
+    return _photo(page, max(image.size), (8.0, -5.0, 2.0), 1.1)
+
+
+def _photo(
+    page: Image.Image, length: int, degrees: tuple[float, float, float], away: float
+) -> Image.Image:
+    """Return a photo of a page on a table, from `away` times `length` pixels of the page."""
+    size = (3000, 2250) if page.width > page.height else (2250, 3000)
+    corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * page.size / length / 2
+    turn = cv2.Rodrigues(np.radians(np.array(degrees)))[0]
+    points = np.c_[corners, np.zeros(4)] @ turn.T + [0, 0, away]
     places = points[:, :2] / points[:, 2:] * 0.75 * max(size) + np.array(size) / 2
     own = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32) * np.array(page.size, np.float32)
     move = cv2.getPerspectiveTransform(own, places.astype(np.float32))
@@ -253,6 +265,7 @@ COPIES = {
     "on more paper": on_paper,
     "turned": lambda image: image.rotate(3, expand=True, fillcolor="white", resample=Image.BICUBIC),
     "photographed": photographed,
+    "close up": close_up,
     "on a screen": on_screen,
 }
 

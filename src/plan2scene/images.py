@@ -12,7 +12,6 @@ import os
 import re
 import warnings
 from collections.abc import Callable, Sequence
-from contextlib import closing
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -188,8 +187,6 @@ SUFFIXES = (
 #: Brands of HEIF files with HEVC pictures, as phones write them.
 _HEIF_BRANDS = (b"heic", b"heix", b"heim", b"heis", b"mif1", b"msf1", b"hevc", b"hevx")
 _AVIF_BRANDS = (b"avif", b"avis")
-#: Most pages of a PDF that are examined, and pixels of the longer side of a rendered page.
-_MAX_PAGES, _PAGE_SIDE = 40, 3000
 METRIC_SIZE = 128  #: Side in pixels at which the paper compares textures
 
 
@@ -209,14 +206,13 @@ def read_reduced_image(
     side: int,
     *,
     house_id: str = "",
-    pages: bool = False,
-    page: int | None = None,
+    page_of: Callable[[Any], Image.Image] | None = None,
 ) -> tuple[np.ndarray, tuple[int, int]]:
     """Return an image as :func:`read_image` does, and the (height, width) of its file.
 
-    With `pages` a `page` of a PDF is read too (:func:`decode_image`). An image with more than
-    `MAX_PIXELS` and up to `MAX_PHOTO_PIXELS` pixels is reduced, its longer side not below `side`:
-    this takes the memory of a picture of the reduced size, or about 1 GB.
+    `page_of` makes it read a PDF too (:func:`decode_image`). An image with more than `MAX_PIXELS`
+    and up to `MAX_PHOTO_PIXELS` pixels is reduced, its longer side not below `side`: this takes
+    the memory of a picture of the reduced size, or about 1 GB.
     """
 
     def reduced(image: Image.Image) -> tuple[np.ndarray, tuple[int, int]]:
@@ -227,7 +223,7 @@ def read_reduced_image(
         return pixels, (width, height) if turned else (height, width)
 
     return decode_image(
-        path, reduced, house_id=house_id, max_pixels=MAX_PHOTO_PIXELS, pages=pages, page=page
+        path, reduced, house_id=house_id, max_pixels=MAX_PHOTO_PIXELS, page_of=page_of
     )
 
 
@@ -237,13 +233,11 @@ def decode_image(
     *,
     house_id: str = "",
     max_pixels: int = MAX_PIXELS,
-    pages: bool = False,
-    page: int | None = None,
+    page_of: Callable[[Any], Image.Image] | None = None,
 ) -> _Decoded:
     """Open an image with Pillow and return `decode` of it; any failure becomes an InputError.
 
-    With `pages` a PDF is accepted too. Of it the `page` of this number, from 1, is rendered, or
-    the one with the most vector paths.
+    A PDF is accepted too where `page_of` returns the picture of a page, given its path.
     """
     from PIL import Image, UnidentifiedImageError, features
 
@@ -257,8 +251,8 @@ def decode_image(
             _check_webp(head, max_pixels)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            if pages and head.startswith(b"%PDF"):
-                return decode(_rendered_page(source, page or pages_by_lines(source)[0]))
+            if page_of and head.startswith(b"%PDF"):
+                return decode(page_of(source))
             formats: tuple[str, ...] = FORMATS
             if head[4:8] == b"ftyp" and head[8:12] in _HEIF_BRANDS:
                 importlib.import_module("pillow_heif").register_heif_opener(thumbnails=False)
@@ -278,40 +272,6 @@ def decode_image(
         raise fault(f"an image of at most {max_pixels} pixels", found) from None
     except Exception as error:  # decoders raise many types of error on damaged data
         raise fault("an image that decodes", f"{type(error).__name__}: {error}") from None
-
-
-def _rendered_page(source: Any, number: int) -> Image.Image:
-    with (
-        importlib.import_module("pypdfium2").PdfDocument(source) as document,
-        closing(document[number - 1]) as page,
-    ):
-        return page.render(scale=_PAGE_SIDE / max(page.get_size())).to_pil()
-
-
-def page_count(path: str | os.PathLike[str]) -> int:
-    """Return the number of pages of a PDF, 1 for a picture."""
-    with Path(path).open("rb") as stream:
-        if stream.read(4) != b"%PDF":
-            return 1
-    with importlib.import_module("pypdfium2").PdfDocument(path) as document:
-        return len(document)
-
-
-def pages_by_lines(source: Any) -> list[int]:
-    """Return the numbers, from 1, of a PDF's first 40 pages, those with more vector paths first.
-
-    InputError for a PDF without pages.
-    """
-    pdfium = importlib.import_module("pypdfium2")
-    counts = []
-    with pdfium.PdfDocument(source) as document:
-        for number in range(min(len(document), _MAX_PAGES)):
-            with closing(document[number]) as page:
-                kinds = [item.type for item in page.get_objects(max_depth=3)]
-            counts.append(kinds.count(pdfium.raw.FPDF_PAGEOBJ_PATH))
-    if not counts:
-        raise InputError("a PDF with pages", "none")
-    return [int(k) + 1 for k in np.argsort(-np.array(counts), kind="stable")]
 
 
 def _check_file(path: Path) -> None:

@@ -22,6 +22,7 @@ from plan2scene.io import safe_join
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.plan_file import PlanFile
 from plan2scene.plans.validate import house_faults, name_oddities, validate_house
+from plan2scene_app.pdf import page_picture
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -136,7 +137,7 @@ def check_plan(
                 _verified_format,
                 house_id=house_id,
                 max_pixels=MAX_PHOTO_PIXELS,
-                pages=True,
+                page_of=page_picture(),
             )
             expected = "a plan with rooms (plan2scene trace shows what is read of a picture)"
             return None, _warnings([str(plan.fault(expected, plan.binary))])

@@ -15,6 +15,7 @@ from pathlib import Path
 from plan2scene.errors import InputError
 from plan2scene.images import MAX_IMAGE_BYTES, MAX_PIXELS
 from plan2scene.io import safe_join
+from plan2scene_app.pdf import is_pdf
 
 #: Shortest side in pixels of a photo in a PDF: smaller pictures are logos and portraits.
 LEAST_SIDE = 300
@@ -27,17 +28,7 @@ _JPEG_QUALITY = 95
 
 def is_packed(path: Path | None) -> bool:
     """Return whether a path is a PDF or a ZIP archive, by its content."""
-    return path is not None and path.is_file() and _start(path) in (b"%PDF", b"PK\x03\x04")
-
-
-def is_pdf(path: Path) -> bool:
-    """Return whether a file is a PDF, by its content."""
-    return _start(path) == b"%PDF"
-
-
-def _start(path: Path) -> bytes:
-    with path.open("rb") as file:
-        return file.read(4)
+    return path is not None and path.is_file() and (is_pdf(path) or zipfile.is_zipfile(path))
 
 
 @contextmanager

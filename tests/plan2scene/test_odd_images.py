@@ -18,6 +18,7 @@ from PIL import Image, ImageCms, features
 from plan2scene import images
 from plan2scene.errors import InputError
 from plan2scene.images import read_image
+from plan2scene_app import pdf
 
 #: What is drawn: four flat quarters, no two alike however the picture is turned.
 QUARTERS = ((200, 40, 30), (40, 160, 60), (30, 60, 190), (230, 220, 60))
@@ -297,15 +298,15 @@ def test_of_a_pdf_the_page_with_the_most_lines_is_read(tmp_path: Path) -> None:
                 raw.FPDFPage_InsertObject(page.raw, line)
             page.gen_content()
         document.save(path)
-    assert images.pages_by_lines(path) == [2, 3, 1] and images.page_count(path) == 3
-    pixels, _ = images.read_reduced_image(path, 64, pages=True)
+    assert pdf.pages_by_lines(path) == [2, 3, 1] and pdf.page_count(path) == 3
+    pixels, _ = images.read_reduced_image(path, 64, page_of=pdf.page_picture())
     dark = pixels[:, pixels.shape[1] // 2].mean(axis=1) < 200
     assert (np.diff(dark.astype(int)) == 1).sum() == 4
-    pixels, _ = images.read_reduced_image(path, 64, pages=True, page=3)
+    pixels, _ = images.read_reduced_image(path, 64, page_of=pdf.page_picture(3))
     dark = pixels[:, pixels.shape[1] // 2].mean(axis=1) < 200
     assert (np.diff(dark.astype(int)) == 1).sum() == 2
     rgb().save(tmp_path / "plan.png")
-    assert images.page_count(tmp_path / "plan.png") == 1
+    assert pdf.page_count(tmp_path / "plan.png") == 1
 
 
 def test_photos_of_phones_and_pages_are_read(tmp_path: Path) -> None:
@@ -320,14 +321,14 @@ def test_photos_of_phones_and_pages_are_read(tmp_path: Path) -> None:
         assert np.abs(found - drawn()).mean() < 4
     page = tmp_path / "plan.pdf"
     rgb().save(page, format="PDF", resolution=1.0)
-    pixels, size = images.read_reduced_image(page, 64, pages=True)
+    pixels, size = images.read_reduced_image(page, 64, page_of=pdf.page_picture())
     assert size == (2000, 3000)
     assert np.abs(pixels[500::1000, 750::1500].reshape(4, 3) - np.array(QUARTERS)).max() < 12
     with pytest.raises(InputError, match="found a PDF"):
         read_image(page)  # no photo
     page.write_bytes(page.read_bytes()[:200])
     with pytest.raises(InputError, match="an image that decodes"):
-        images.read_reduced_image(page, 64, pages=True)
+        images.read_reduced_image(page, 64, page_of=pdf.page_picture())
 
 
 @pytest.mark.parametrize("name", sorted(FAILS))

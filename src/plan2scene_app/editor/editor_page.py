@@ -22,6 +22,7 @@ from plan2scene.plans.levels import STAIRS
 from plan2scene.plans.plan_file import PlanFile
 from plan2scene.plans.validate import validate_house
 from plan2scene_app.html_page import html_page, inline_json, source_hash
+from plan2scene_app.pdf import page_picture
 from plan2scene_app.plan_formats.axes import HEIGHTS
 from plan2scene_app.plan_writer import house_to_plan
 from plan2scene_app.tracing.picture import read_plan_picture
@@ -147,7 +148,7 @@ def _untraced(path: Path, metres_per_pixel: float | None) -> dict[str, Any]:
         sizes.append(max(image.size))
         return to_small_srgb(image, PICTURE_SIDE)
 
-    pixels = decode_image(path, reduced, pages=True)
+    pixels = decode_image(path, reduced, page_of=page_picture())
     file_pixels = sizes[0] / max(pixels.shape[:2])
     scale = {"metres_per_pixel": metres_per_pixel * file_pixels} if metres_per_pixel else {}
     return {

@@ -23,7 +23,8 @@ from plan2scene.io import atomic_path, read_json, write_json
 from plan2scene.plans.formats import format_of, one_line
 from plan2scene.plans.plan_file import PlanFile, Unscaled
 from plan2scene_app.editor.editor_page import opened, picture_bytes
-from plan2scene_app.packed_photos import is_pdf, unpack_photos
+from plan2scene_app.packed_photos import unpack_photos
+from plan2scene_app.pdf import is_pdf
 from plan2scene_app.plan_formats.dxf import LAYERS, MAX_PATTERN
 from plan2scene_app.run import photos_in
 from plan2scene_app.studio.limited import limited

@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from plan2scene.errors import InputError
-from plan2scene.images import page_count, pages_by_lines
+from plan2scene_app.pdf import page_count, pages_by_lines
 from plan2scene_app.tracing.drawings import on_one_page, shows_a_home, storey_told
 from plan2scene_app.tracing.lettering import read_lines, reader_installed
 from plan2scene_app.tracing.picture import (

@@ -13,6 +13,7 @@ from shapely.geometry import Polygon
 
 from plan2scene.errors import InputError
 from plan2scene.images import read_reduced_image
+from plan2scene_app.pdf import page_picture
 from plan2scene_app.tracing.regions import Regions
 from plan2scene_app.tracing.settings import DOOR, OUTSIDE, ROOM, SETTINGS
 from plan2scene_app.tracing.sheet import Sheet, find_sheet, in_even_light
@@ -40,7 +41,7 @@ def read_plan_picture(path: str | Path, page: int | None = None) -> PlanPicture:
     Of a PDF the `page` of this number, from 1, is read, or the one with the most lines.
     """
     side = SETTINGS.long_side_px
-    image, (height, width) = read_reduced_image(path, side, pages=True, page=page)
+    image, (height, width) = read_reduced_image(path, side, page_of=page_picture(page))
     if min(height, width) < SETTINGS.least_side_px:
         expected = f"a plan of at least {SETTINGS.least_side_px} pixels a side"
         raise InputError(expected, f"{width}x{height}", file=path)

@@ -17,13 +17,14 @@ from shapely.geometry import Polygon
 
 from plan2scene.errors import InputError
 from plan2scene.house import DEFAULT_HEIGHT, OPEN_AIR
-from plan2scene.images import page_count, write_png
+from plan2scene.images import write_png
 from plan2scene.io import write_json, write_text
 from plan2scene.plans.plan_json import FORMAT, house_of_plan
 from plan2scene.plans.room_names import is_garage, room_types
 from plan2scene.plans.validate import validate_house
 from plan2scene.plugins import pip_command
 from plan2scene.weights import MODELS
+from plan2scene_app.pdf import page_count
 from plan2scene_app.plan_formats.axes import HEIGHTS
 from plan2scene_app.plan_formats.measures import sides_in_feet
 from plan2scene_app.tracing.drawings import (

@@ -95,10 +95,6 @@ class FilterBankStatistics(nn.Module):
             padded = functional.pad(image, (border,) * 4, mode="reflect")
             yield functional.conv2d(padded, self.bank)
 
-    def distance(self, images: torch.Tensor, targets: torch.Tensor) -> torch.Tensor:
-        """Return the :func:`gram_distance` (n,) of images to targets."""
-        return gram_distance(self.grams(images), self.grams(targets))
-
 
 def grams_of(responses: Iterable[torch.Tensor]) -> list[torch.Tensor]:
     """Return one Gram matrix (n, 2 k, 2 k) per level: responses (n, k, h, w) split by sign."""
@@ -175,12 +171,6 @@ class SpectrumStatistics(nn.Module):
         luminance = flat[:, 0] @ self.get_buffer(f"sectors{size}").T
         chroma = flat[:, 1:] @ self.get_buffer(f"rings{size}").T
         return (luminance + 1e-5).log(), (chroma + 1e-5).log()
-
-    def distance(self, images: torch.Tensor, targets: torch.Tensor) -> torch.Tensor:
-        """Return the mean absolute difference of log amplitude over sectors and rings: (n,)."""
-        mine, theirs = self.log_power(images), self.log_power(targets)
-        luminance = (mine[0] - theirs[0]).abs().mean(1)
-        return 0.5 * luminance + 0.25 * (mine[1] - theirs[1]).abs().mean((1, 2))
 
 
 def colour_quantiles(rgb: torch.Tensor) -> torch.Tensor:

@@ -1,4 +1,4 @@
-"""Training losses other than texture statistics: differentiable metrics, and colours.
+"""Training losses other than Gram matrices: spectra, differentiable metrics, and colours.
 
 Images are ``(n, 3, h, w) float32`` RGB in [0, 1].
 """
@@ -11,11 +11,20 @@ import torch
 
 from plan2scene.metrics.color_freq_tile import periodic_component
 from plan2scene.textures.model.hsv import rgb_to_hsv
-from plan2scene.textures.model.statistics import OPPONENT, opponent
+from plan2scene.textures.model.statistics import OPPONENT, SpectrumStatistics, opponent
 
 #: Inner edges of the COLOR metric's bins of lightness and saturation, and the softness used here.
 _THIRDS = (0.333, 0.666)
 _SOFTNESS = 0.015
+
+
+def spectrum_distance(
+    statistics: SpectrumStatistics, images: torch.Tensor, targets: torch.Tensor
+) -> torch.Tensor:
+    """Return the mean absolute difference of log amplitude over sectors and rings: (n,)."""
+    mine, theirs = statistics.log_power(images), statistics.log_power(targets)
+    luminance = (mine[0] - theirs[0]).abs().mean(1)
+    return 0.5 * luminance + 0.25 * (mine[1] - theirs[1]).abs().mean((1, 2))
 
 
 def histogram_distance(images: torch.Tensor, targets: torch.Tensor) -> torch.Tensor:

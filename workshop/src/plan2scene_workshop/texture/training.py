@@ -29,6 +29,7 @@ from plan2scene_workshop.texture.losses import (
     colour_distance,
     frequency_distance,
     histogram_distance,
+    spectrum_distance,
 )
 from plan2scene_workshop.texture.settings import TextureSettings
 from plan2scene_workshop.texture.vgg_statistics import load_statistics
@@ -72,7 +73,7 @@ class TextureLoss:
         sparse = tiles[:, :, ::every, ::every], targets[:, :, ::every, ::every]
         parts = {
             "gram": self.filters.distance(tiles, targets).mean(),
-            "spectrum": settings.spectrum * self.spectrum.distance(tiles, targets).mean(),
+            "spectrum": settings.spectrum * spectrum_distance(self.spectrum, tiles, targets).mean(),
             "colour": settings.colour * colour_distance(*sparse).mean(),
             "histogram": settings.histogram * histogram_distance(*sparse).mean(),
             "frequency": tiles.new_zeros(()),

@@ -1,4 +1,7 @@
-"""Texture statistics of VGG-19 as in the paper (``pretrained``); the user supplies the weights."""
+"""Texture statistics of the training loss: the filter bank's, or those of VGG-19 as in the paper.
+
+The user supplies the weights of VGG-19 (``pretrained``).
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,7 @@ from torch import nn
 
 from plan2scene.errors import InputError
 from plan2scene.metrics.vgg import imagenet_normalised, vgg_convolutions
-from plan2scene.textures.model.statistics import FilterBankStatistics, gram
+from plan2scene.textures.model.statistics import FilterBankStatistics, gram, gram_distance
 
 #: Convolutions of VGG-19's groups up to relu5_1.
 _VGG19 = (2, 2, 4, 4, 1)
@@ -18,6 +21,14 @@ _VGG19 = (2, 2, 4, 4, 1)
 _VGG19_TAPS = (0, 5, 10, 19, 28)
 #: Errors that reading an unfit weights file raises.
 _UNFIT = (OSError, RuntimeError, ValueError, TypeError, KeyError, pickle.UnpicklingError)
+
+
+class FilterBankLoss(FilterBankStatistics):
+    """Gram matrices of the fixed filter bank, and their distance."""
+
+    def distance(self, images: torch.Tensor, targets: torch.Tensor) -> torch.Tensor:
+        """Return the :func:`gram_distance` (n,) of images to targets."""
+        return gram_distance(self.grams(images), self.grams(targets))
 
 
 class VggStatistics(nn.Module):
@@ -57,13 +68,13 @@ class VggStatistics(nn.Module):
 
 def load_statistics(
     source: str, path: str | Path | None = None, *, levels: int = 5, device: str = "cpu"
-) -> FilterBankStatistics | VggStatistics:
+) -> FilterBankLoss | VggStatistics:
     """Return the texture statistics of a source.
 
     ``embedded`` has `levels` pyramid levels; ``pretrained`` reads its weights from `path`.
     """
     if source == "embedded":
-        return FilterBankStatistics(levels).to(device)
+        return FilterBankLoss(levels).to(device)
     if source == "pretrained" and path is not None:
         return VggStatistics(path).to(device)
     raise InputError("texture statistics 'embedded', or 'pretrained' with a file", repr(source))
