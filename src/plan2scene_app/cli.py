@@ -57,9 +57,16 @@ def _house_id(plan: Path, chosen: str | None) -> str:
     return name
 
 
-def _house_name(plan: Path) -> str:
-    """Return the house's name, taken from the plan's file name."""
-    return plan.name.split(".")[0].encode("utf-8", "replace").decode()[:100]
+#: File names that say no more than that they are a plan.
+_ANY_PLAN = re.compile(r"(floor|house|grund)?[ _-]*(plans?|riss|brochure|image)[ _-]*\d*", re.I)
+
+
+def _house_name(plan: Path, out: Path | None = None) -> str:
+    """Return the house's name: the plan's file name, or that of `out` if it is any plan's."""
+    name = plan.name.split(".")[0]
+    if out is not None and _ANY_PLAN.fullmatch(name):
+        name = out.resolve().name or name
+    return name.encode("utf-8", "replace").decode()[:100]
 
 
 def _layers(pairs: list[str] | None) -> dict[str, str]:
@@ -159,7 +166,7 @@ def run_house(
         photo_table=None if folder else photos,
         photos_dir=photos if folder else photos_dir,
         house=_house_id(plan[0], house),
-        name=house or _house_name(plan[0]),
+        name=house or _house_name(plan[0], out),
         method=method,
         metres_per_pixel=metres_per_pixel,
         seed=seed,

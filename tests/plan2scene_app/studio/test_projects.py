@@ -1,10 +1,12 @@
 """Projects are folders that other programs read and change; nothing is lost or overwritten."""
 
+import io
 import json
 import sys
 import time
 from pathlib import Path
 
+import pillow_heif
 import psutil
 import pytest
 from PIL import Image
@@ -80,10 +82,13 @@ def test_photos_are_checked_and_kept(project, tmp_path):
         project.add_photo("a.png", photo(tmp_path, "blue"))
     with pytest.raises(InputError, match=r"b\.jpg: expected"):
         project.add_photo("b.jpg", b"no picture")
+    heic = io.BytesIO()
+    pillow_heif.from_pillow(Image.new("RGB", (64, 48))).save(heic)
+    project.add_photo("phone.HEIC", heic.getvalue())
     for name in ("../a.png", "/etc/a.png", "a/b.png", ".png", "a.svg", "a\\b.png", "a.png\n"):
         with pytest.raises(InputError):
             project.add_photo(name, photo(tmp_path))
-    assert [path.name for path in project.photos.iterdir()] == ["a.png"]
+    assert sorted(path.name for path in project.photos.iterdir()) == ["a.png", "phone.HEIC"]
     assert (project.photos / "a.png").read_bytes() == photo(tmp_path)
 
 
