@@ -1,5 +1,3 @@
-"""What all tests share."""
-
 import os
 
 # Two test processes on two cores: threads that wait for each other take the core that the other

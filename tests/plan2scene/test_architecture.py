@@ -1,6 +1,3 @@
-"""The import contract, read from the sources: arrows go down only, nothing imports the workshop."""
-
-from collections.abc import Mapping
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -22,7 +19,7 @@ LAYERS = (
 )
 
 
-def sources(package: Path) -> dict[str, Path]:
+def sources(package):
     """Return a package's modules by dotted name."""
     found = {}
     for path in sorted(package.rglob("*.py")):
@@ -31,18 +28,18 @@ def sources(package: Path) -> dict[str, Path]:
     return found
 
 
-def imported_packages(path: Path) -> set[str]:
+def imported_packages(path):
     """Return the first names of all that a source file imports, anywhere in it."""
     return {name.split(".")[0] for name in imports(path)}
 
 
-def graph(package: Path) -> dict[str, set[str]]:
+def graph(package):
     """Return who imports whom among a package's modules, inside functions too."""
     modules = sources(package)
     return {name: (imports(path) & modules.keys()) - {name} for name, path in modules.items()}
 
 
-def between_packages(modules: Mapping[str, set[str]]) -> dict[str, set[str]]:
+def between_packages(modules):
     """Return the graph of the parts right below the package; a module there is a part too."""
     parts: dict[str, set[str]] = {}
     for source, targets in modules.items():
@@ -53,7 +50,7 @@ def between_packages(modules: Mapping[str, set[str]]) -> dict[str, set[str]]:
     return parts
 
 
-def cycle(found: Mapping[str, set[str]]) -> list[str]:
+def cycle(found):
     """Return the members of a cycle; none where there is none."""
     try:
         TopologicalSorter(found).prepare()

@@ -1,5 +1,3 @@
-"""Colour conversions in numpy and torch against known values."""
-
 import colorsys
 
 import numpy as np
@@ -11,7 +9,7 @@ from plan2scene.textures.model import hsv as hsv_space
 
 
 @pytest.fixture
-def rgb() -> np.ndarray:
+def rgb():
     values = np.random.default_rng(0).random((9, 7, 3)).astype(np.float32)
     values[0, 0] = 0.0
     values[0, 1] = 1.0
@@ -20,35 +18,35 @@ def rgb() -> np.ndarray:
     return values
 
 
-def to_torch(image: np.ndarray) -> torch.Tensor:
+def to_torch(image):
     return torch.from_numpy(image).permute(2, 0, 1)[None]
 
 
-def to_numpy(image: torch.Tensor) -> np.ndarray:
+def to_numpy(image):
     return image[0].permute(1, 2, 0).numpy()
 
 
-def test_hsv_is_the_standard_library_s(rgb) -> None:
+def test_hsv_is_the_standard_library_s(rgb):
     expected = [colorsys.rgb_to_hsv(*pixel) for pixel in rgb.reshape(-1, 3).astype(float)]
     hsv = to_numpy(hsv_space.rgb_to_hsv(to_torch(rgb)))
     np.testing.assert_allclose(hsv.reshape(-1, 3), expected, atol=1e-5)
 
 
-def test_hsv_round_trip_and_hue_wraps(rgb) -> None:
+def test_hsv_round_trip_and_hue_wraps(rgb):
     hsv = hsv_space.rgb_to_hsv(to_torch(rgb))
     np.testing.assert_allclose(to_numpy(hsv_space.hsv_to_rgb(hsv)), rgb, atol=1e-6)
     turned = hsv + torch.tensor([1.0, 0.0, 0.0]).view(1, 3, 1, 1)
     np.testing.assert_allclose(to_numpy(hsv_space.hsv_to_rgb(turned)), rgb, atol=1e-5)
 
 
-def test_median_is_the_lower_of_the_middle_values() -> None:
+def test_median_is_the_lower_of_the_middle_values():
     image = np.array([[[0, 10, 7], [255, 20, 7]], [[10, 30, 7], [20, 40, 7]]], np.uint8)
     np.testing.assert_allclose(colour.median_colour(image) * 255, [10, 20, 7], atol=1e-4)
     torch_median = hsv_space.median_colour(to_torch(colour.as_float(image)))
     np.testing.assert_allclose(torch_median[0] * 255, [10, 20, 7], atol=1e-4)
 
 
-def test_linear_light_round_trip() -> None:
+def test_linear_light_round_trip():
     levels = np.arange(256, dtype=np.uint8)
     linear = colour.srgb_to_linear(levels)
     np.testing.assert_allclose(linear, colour.srgb_to_linear(levels / 255.0), atol=1e-12)
@@ -56,7 +54,7 @@ def test_linear_light_round_trip() -> None:
     assert linear[128] == pytest.approx(0.2158605, abs=1e-6)
 
 
-def test_clipped_share_counts_white_and_black_but_no_strong_colour() -> None:
+def test_clipped_share_counts_white_and_black_but_no_strong_colour():
     image = np.full((4, 4, 3), 128, np.uint8)
     image[0] = 255
     image[1, 0] = 0

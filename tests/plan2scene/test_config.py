@@ -1,5 +1,3 @@
-"""The configuration files, their schema and their documentation agree."""
-
 import math
 from pathlib import Path
 
@@ -14,7 +12,7 @@ from plan2scene_app.workflow.config import check_config, config_schema
 ROOT = Path(__file__).parents[2]
 
 
-def merged(name: str) -> dict:
+def merged(name):
     """Return the demo's with the keys of another file in it, one by one as Snakemake does."""
     config = shipped_config()
     update_config(config, yaml.safe_load((ROOT / "config" / name).read_text()))
@@ -79,7 +77,7 @@ def test_aliases_of_aliases_are_refused_at_once():
             check_config(merged("benchmark.yaml") | {"methods": value})
 
 
-def defaults(schema: dict) -> dict:
+def defaults(schema):
     """Return the defaults of a schema by key, of those keys that have one."""
     found = {}
     for name, part in schema.get("properties", {}).items():

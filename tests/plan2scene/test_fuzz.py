@@ -48,7 +48,7 @@ def test_damaged_files_are_read_or_one_line(name, folder):
         suppress_health_check=list(HealthCheck),
     )
     @given(foreign_bytes(reader))
-    def check(data: bytes) -> None:
+    def check(data):
         seen.append(outcome(reader, data, folder))
 
     check()

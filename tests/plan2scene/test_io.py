@@ -1,5 +1,3 @@
-"""Files: what is refused, round trips, and that writes are all or nothing."""
-
 import os
 import subprocess
 import sys

@@ -1,5 +1,3 @@
-"""Items on several cores: the same results in order, errors as raised, nothing left behind."""
-
 import os
 import signal
 import subprocess

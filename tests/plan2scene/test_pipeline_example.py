@@ -1,5 +1,3 @@
-"""The example of the library's functions makes a house of a plan and two photos."""
-
 import importlib.util
 import shutil
 from pathlib import Path

@@ -1,5 +1,3 @@
-"""The hash of a module follows what the module imports, at any distance."""
-
 import os
 
 import pytest
@@ -24,7 +22,7 @@ def packages(tmp_path):
     return library, shop
 
 
-def fresh(*modules: str, packages) -> str:
+def fresh(*modules, packages):
     for function in vars(closures).values():
         getattr(function, "cache_clear", int)()
     return code_hash(*modules, packages=packages)

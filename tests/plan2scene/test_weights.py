@@ -1,5 +1,3 @@
-"""Weights on disk: what is written comes back, the same bytes every time, nothing foreign."""
-
 import json
 
 import pytest
@@ -33,7 +31,7 @@ def test_same_state_same_bytes(tmp_path):
     assert len(set(files)) == 1
 
 
-def written(path, state, architecture: str):
+def written(path, state, architecture):
     from safetensors.torch import save_file
 
     save_file(state, path, metadata={"format": "plan2scene", "architecture": architecture})

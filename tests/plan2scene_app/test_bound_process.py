@@ -1,5 +1,3 @@
-"""Whatever ends a process, nothing that it started goes on."""
-
 import signal
 import subprocess
 import sys

@@ -1,5 +1,3 @@
-"""The command line: what each command writes, and one line for each mistake."""
-
 import json
 from pathlib import Path
 
@@ -18,14 +16,14 @@ ROOT = Path(__file__).parents[2]
 PLAN = ROOT / "resources" / "examples" / "plan.json"
 
 
-def call(*arguments: object) -> tuple[int, str]:
+def call(*arguments):
     result = CliRunner().invoke(cli.app, [str(value) for value in arguments])
     if result.exception and not isinstance(result.exception, SystemExit):
         raise result.exception
     return result.exit_code, result.output
 
 
-def fault_of(monkeypatch, capsys, *arguments: object) -> str:
+def fault_of(monkeypatch, capsys, *arguments):
     """Return the one line that the program prints as it ends with a fault."""
     monkeypatch.setattr("sys.argv", ["plan2scene", *map(str, arguments)])
     with pytest.raises(SystemExit) as stop:

@@ -1,5 +1,3 @@
-"""The page of doubts: what is not sure comes with its place, in words that escape nothing."""
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""What an owner sets by hand is the last word; what is not named keeps its bytes."""
-
 import filecmp
 
 import numpy as np

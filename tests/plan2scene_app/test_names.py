@@ -1,5 +1,3 @@
-"""Names that people give are kept in any script; ids are made of them and differ."""
-
 import json
 import re
 from dataclasses import replace

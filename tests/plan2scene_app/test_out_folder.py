@@ -1,9 +1,6 @@
-"""The folder of results: one run at a time, what is the user's stays, deliveries are whole."""
-
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -23,12 +20,12 @@ def made(tmp_path):
     return {name: tmp_path / "made" / name for name in NAMES}
 
 
-def refused(out: Path, words: str, *inputs: Path) -> None:
+def refused(out, words, *inputs):
     with pytest.raises(InputError, match=words), claimed_folder(out, NAMES, inputs):
         pass
 
 
-def snapshot(folder: Path) -> dict[str, bytes]:
+def snapshot(folder):
     return {
         str(path.relative_to(folder)): path.read_bytes()
         for path in sorted(folder.rglob("*"))
@@ -118,7 +115,7 @@ def test_a_failed_delivery_keeps_what_was_there(tmp_path, made, monkeypatch):
     made["house.glb"].write_bytes(b"x" * 100_000)
     for name in ("shutil.copyfile", "shutil.copytree"):
 
-        def full(*_: object, **__: object) -> None:
+        def full(*_, **__):
             raise OSError(28, os.strerror(28))
 
         with monkeypatch.context() as patch, pytest.raises(OSError, match="No space"):

@@ -1,5 +1,3 @@
-"""A house as plan JSON and back: rooms, openings and relations stay."""
-
 from dataclasses import replace
 from pathlib import Path
 

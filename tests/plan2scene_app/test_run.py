@@ -1,5 +1,3 @@
-"""What a run is made from: the contents of the files that it was given, whatever their times."""
-
 import os
 from dataclasses import replace
 from pathlib import Path

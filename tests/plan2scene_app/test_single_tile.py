@@ -1,5 +1,3 @@
-"""One tile from loose crops, by every method."""
-
 import numpy as np
 import pytest
 

@@ -1,5 +1,3 @@
-"""A package of others adds a plan format, a texture method and an export by entry points alone."""
-
 import logging
 import os
 import subprocess

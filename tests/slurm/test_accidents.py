@@ -1,5 +1,3 @@
-"""What takes minutes to happen on a SLURM: pytest -m slurm tests/slurm."""
-
 import threading
 import time
 

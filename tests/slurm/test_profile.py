@@ -1,5 +1,3 @@
-"""The shipped profile on a real SLURM: a part of the demo, and jobs that are ended from outside."""
-
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest

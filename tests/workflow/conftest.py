@@ -1,11 +1,9 @@
-"""Fixtures of the workflow tests."""
-
 import pytest
-from clones import Clone, demo_rows, make_clone
+from clones import demo_rows, make_clone
 
 
 @pytest.fixture(scope="session")
-def made(tmp_path_factory) -> Clone:
+def made(tmp_path_factory):
     """Two houses: of the first everything is made, of the other its crops."""
     other, first = demo_rows()[:2]
     dataset = {"name": "tiny", "root": "data", "table": "houses.tsv", "splits": ["test"]}

@@ -1,5 +1,3 @@
-"""The whole workflow: what it makes of a house, and what a change makes it do again."""
-
 import csv
 import os
 import re

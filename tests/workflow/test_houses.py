@@ -13,7 +13,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from clones import DEMO, Clone, demo_rows, make_clone, photos_of, write_table
+from clones import DEMO, demo_rows, make_clone, photos_of, write_table
 from PIL import Image
 
 from plan2scene.house import FROM_PHOTOS, USUAL
@@ -38,7 +38,7 @@ BAD = {
 }
 
 
-def odd_copies(photos: list[Path]) -> None:
+def odd_copies(photos):
     """Replace photos by the same pictures: CMYK, turned by EXIF, a palette, grey with 16 bits."""
     first, second, third, fourth = photos[:4]
     Image.open(first).convert("CMYK").save(first, format="JPEG", quality=92)
@@ -51,7 +51,7 @@ def odd_copies(photos: list[Path]) -> None:
     grey.convert("I;16").save(fourth, format="PNG")
 
 
-def damaged(folder: Path, good: Path) -> None:
+def damaged(folder, good):
     head = struct.pack(">IIBBBBB", 60000, 60000, 8, 2, 0, 0, 0)
     chunk = struct.pack(">I", 13) + b"IHDR" + head + struct.pack(">I", zlib.crc32(b"IHDR" + head))
     body = struct.pack(">I", 0) + b"IDAT"
@@ -64,7 +64,7 @@ def damaged(folder: Path, good: Path) -> None:
     (folder / "text.jpg").write_text("the kitchen")
 
 
-def odd(data: Path, row: dict[str, str]) -> None:
+def odd(data, row):
     folder, good = data / "photos", photos_of(row)
     damaged(folder, folder / good[0])
     odd_copies([folder / name for name in good])
@@ -73,31 +73,31 @@ def odd(data: Path, row: dict[str, str]) -> None:
     row["photos"] = "|".join([*good, *BAD])
 
 
-def add_rows(data: Path, row: dict[str, str], *lines: str) -> None:
+def add_rows(data, row, *lines):
     table = data / row["assignment"]
     table.write_text(table.read_text() + "".join(f"{line}\n" for line in lines))
 
 
-def photo_outside(data: Path, row: dict[str, str]) -> None:
+def photo_outside(data, row):
     room = (data / row["assignment"]).read_text().splitlines()[1].split(",")[0]
     add_rows(data, row, f"{room},../../secret.jpg")
 
 
-def unknown_room_type(data: Path, row: dict[str, str]) -> None:
+def unknown_room_type(data, row):
     scene = json.loads((data / row["plan"]).read_text())
     scene["scene"]["arch"]["rooms"][0]["types"] = ["Dungeon"]
     (data / row["plan"]).write_text(json.dumps(scene))
 
 
-def unknown_room(data: Path, row: dict[str, str]) -> None:
+def unknown_room(data, row):
     add_rows(data, row, f"no_such_room,{photos_of(row)[0]}")
 
 
-def empty_table(data: Path, row: dict[str, str]) -> None:
+def empty_table(data, row):
     (data / row["assignment"]).write_text("room_id,photo\n")
 
 
-def long_photo_name(data: Path, row: dict[str, str]) -> None:
+def long_photo_name(data, row):
     old, name = photos_of(row)[0], "n" * 300 + ".jpg"
     row["photos"] = row["photos"].replace(old, name)
     table = data / row["assignment"]
@@ -114,7 +114,7 @@ CASES = {
 }
 
 
-def renamed(row: dict[str, str], name: str, data: Path) -> dict[str, str]:
+def renamed(row, name, data):
     """Return a copy of a demo house under another name, with files of its own."""
     copy = {"house": name, "split": "test", "plan": f"{name}/p.scene.json"}
     copy["assignment"] = f"{name}/a.csv"
@@ -131,7 +131,7 @@ def renamed(row: dict[str, str], name: str, data: Path) -> dict[str, str]:
     return copy
 
 
-def drawn(path: Path) -> None:
+def drawn(path):
     """Draw a plan of two rooms with a window each, a door between them and one outside."""
     image = np.full((350, 500, 3), 255, np.uint8)
     cv2.rectangle(image, (40, 40), (460, 310), (0, 0, 0), -1)
@@ -141,7 +141,7 @@ def drawn(path: Path) -> None:
     cv2.imwrite(str(path), image)
 
 
-def unmeasured(path: Path) -> None:
+def unmeasured(path):
     """Turn a plan into one that tells no height of ceilings, in our own format."""
     plan = house_to_plan(read_plan(path, "unmeasured"))
     plan["heights"] = USUAL
@@ -151,7 +151,7 @@ def unmeasured(path: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def broken(tmp_path_factory, toy_site) -> tuple[Clone, str]:
+def broken(tmp_path_factory, toy_site):
     """Run the houses together; return clone and output."""
     clone = make_clone(
         tmp_path_factory.mktemp("broken") / "clone", [], floorplans={"metres_per_pixel": 0.02}

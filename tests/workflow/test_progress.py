@@ -1,5 +1,3 @@
-"""Lines of progress: how many of how many jobs, rule, house and seconds; a bar on a terminal."""
-
 import io
 import json
 import logging

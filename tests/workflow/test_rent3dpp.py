@@ -1,12 +1,10 @@
-"""The paper's table from a Rent3D++ copy as it lies on disk and from released checkpoints."""
-
 import csv
 from pathlib import Path
 
 import pandas as pd
 import pytest
 import torch
-from clones import Clone, demo_rows, make_clone, photos_of, write_table
+from clones import demo_rows, make_clone, photos_of, write_table
 from rent3dpp_copy import write_rent3dpp_copy
 
 from plan2scene.images import png_bytes
@@ -19,7 +17,7 @@ TABLE = "results/rent3dpp/tables/paper_table.csv"
 CONFIG = ("--configfile", "config/rent3dpp.yaml", "two_seeds.yaml", "--config")
 
 
-def write_crops(results: Path, row: dict[str, str]) -> None:
+def write_crops(results, row):
     """Write crops.parquet of a house: a floor, a wall and a ceiling of each photo."""
     kinds = {"floor": "wood", "wall": "plaster", "ceiling": "plaster"}
     tiles = {name: random_material(kinds[name], 3, size_px=128).albedo for name in kinds}
@@ -32,7 +30,7 @@ def write_crops(results: Path, row: dict[str, str]) -> None:
 
 
 @pytest.fixture(scope="module")
-def place(tmp_path_factory) -> Clone:
+def place(tmp_path_factory):
     """Return a clone beside a Rent3D++ copy (a training and a test house) and checkpoints."""
     root = tmp_path_factory.mktemp("rent3dpp")
     clone = make_clone(root / "clone", [])
@@ -55,7 +53,7 @@ def place(tmp_path_factory) -> Clone:
     return clone
 
 
-def released(root: Path) -> str:
+def released(root):
     paths = {name: root / f"{name}.ckpt" for name in ("texture", "naivesynth", "propagation")}
     return "official={" + ", ".join(f"{name}: {path}" for name, path in paths.items()) + "}"
 

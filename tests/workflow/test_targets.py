@@ -1,5 +1,3 @@
-"""What targets ask of the workflow (dry runs)."""
-
 import shlex
 import shutil
 from collections import Counter

@@ -1,8 +1,3 @@
-"""An installed wheel, away from the clone, makes its example of two storeys, with photos.
-
-A run that is killed goes on by the same words.
-"""
-
 import json
 import os
 import subprocess

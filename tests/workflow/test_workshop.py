@@ -1,5 +1,3 @@
-"""The workshop's workflow: data and a model made for real, in small; the others as a dry run."""
-
 import os
 import subprocess
 import sys
@@ -47,7 +45,7 @@ def run(tmp_path):
     (tmp_path / "tiny.yaml").write_text(yaml.safe_dump(TINY))
     paths = os.pathsep.join(str(ROOT / part) for part in ("src", "workshop/src"))
 
-    def snakemake(*arguments: str) -> str:
+    def snakemake(*arguments):
         done = subprocess.run(
             [sys.executable, "-m", "snakemake", "-s", "workshop/Snakefile", "--cores", "2"]
             + [*arguments, "--configfile", "tiny.yaml"],

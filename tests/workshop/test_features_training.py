@@ -1,5 +1,3 @@
-"""Training of the features network in a few steps."""
-
 import numpy as np
 
 from plan2scene.materials import random_material

@@ -1,5 +1,3 @@
-"""Training of the classifier of rooms on two listed homes (photos are faked: no renderer)."""
-
 from functools import partial
 from types import SimpleNamespace
 

@@ -1,5 +1,3 @@
-"""Drawn plans and the network that learns from them."""
-
 import numpy as np
 import pytest
 

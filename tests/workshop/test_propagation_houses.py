@@ -1,5 +1,3 @@
-"""Training houses of propagation: arrays that fit together, plain homes of one paint."""
-
 from functools import partial
 
 import numpy as np

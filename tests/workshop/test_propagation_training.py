@@ -1,5 +1,3 @@
-"""Training of propagation: what samples hide, the likelihood, and that neighbours are learned."""
-
 from dataclasses import replace
 
 import numpy as np
@@ -24,7 +22,7 @@ from plan2scene_workshop.propagation.settings import PropagationSettings
 from plan2scene_workshop.propagation.training import train_network
 
 
-def house_of_one_colour(rng: np.random.Generator, rooms: int = 4) -> HouseGraph:
+def house_of_one_colour(rng, rooms=4):
     """Return a chain of rooms that all share one embedding: what a graph can tell."""
     types = np.eye(12, dtype=np.float32)[rng.integers(12, size=rooms)]
     chain = [(i, i + 1) for i in range(rooms - 1)]

@@ -1,7 +1,3 @@
-"""Views for training: labels, elevations, geometry and picture move together."""
-
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np
@@ -13,7 +9,7 @@ from plan2scene_workshop.segmentation.data import LabelledPhoto
 COLOURS = np.array([[200, 40, 40], [40, 160, 60], [60, 80, 190], [240, 240, 200]], np.uint8)
 
 
-def _photo(seed: int = 0, size: tuple[int, int] = (60, 80)) -> LabelledPhoto:
+def _photo(seed=0, size=(60, 80)):
     """Return a photo of four flat bands: ceiling, wall, a thing in it, floor."""
     labels = np.full(size, WALL, np.uint8)
     labels[:15], labels[45:] = CEILING, FLOOR
@@ -21,11 +17,11 @@ def _photo(seed: int = 0, size: tuple[int, int] = (60, 80)) -> LabelledPhoto:
     return LabelledPhoto(f"p{seed}", COLOURS[labels], labels)
 
 
-def _batch(photos: list[LabelledPhoto], elevations: list[np.ndarray], seed: int, size=(32, 64)):
+def _batch(photos, elevations, seed, size=(32, 64)):
     return training_batch(photos, elevations, size, np.random.default_rng(seed))
 
 
-def test_labels_elevations_and_geometry_stay_together() -> None:
+def test_labels_elevations_and_geometry_stay_together():
     """Elevations and depths that equal the labels still do, but for things put in front."""
     photos, told = [], []
     for k in range(8):
@@ -54,7 +50,7 @@ def test_labels_elevations_and_geometry_stay_together() -> None:
     assert sides == {-1.0, 0.0, 1.0}  # mirrored views see a normal to the right as one to the left
 
 
-def test_amodal_labels_are_learned_and_only_openings_put_in_front_change_them() -> None:
+def test_amodal_labels_are_learned_and_only_openings_put_in_front_change_them():
     """Without what is put in front, they are the floor everywhere that the photo is."""
     photo = _photo()
     amodal = np.full_like(photo.labels, FLOOR)

@@ -1,8 +1,4 @@
-from __future__ import annotations
-
 import dataclasses
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -41,7 +37,7 @@ from plan2scene_workshop.segmentation.settings import SegmentationSettings
 from plan2scene_workshop.segmentation.training import train_network
 
 
-def _striped(seed: int = 0, size: tuple[int, int] = (48, 64)) -> LabelledPhoto:
+def _striped(seed=0, size=(48, 64)):
     """Return a photo whose labels can be told from colour: ceiling, wall, floor, a thing."""
     rng = np.random.default_rng(seed)
     labels = np.full(size, WALL, np.uint8)
@@ -54,7 +50,7 @@ def _striped(seed: int = 0, size: tuple[int, int] = (48, 64)) -> LabelledPhoto:
     return LabelledPhoto(f"p{seed}", np.clip(colours[labels] + noise, 0, 255).astype("u1"), labels)
 
 
-def test_scores_take_doors_and_windows_as_other_and_by_themselves() -> None:
+def test_scores_take_doors_and_windows_as_other_and_by_themselves():
     true = np.array([[DOOR, WINDOW, OTHER, WALL]], np.uint8)
     found = scores([confusion(np.array([[WINDOW, OTHER, OTHER, DOOR]], np.uint8), true)])
     assert found.iou[OTHER] == pytest.approx(3 / 4)
@@ -63,12 +59,12 @@ def test_scores_take_doors_and_windows_as_other_and_by_themselves() -> None:
     assert found.openings == pytest.approx(1 / 3)
 
 
-def _tiny() -> SegmentationNet:
+def _tiny():
     torch.manual_seed(0)
     return SegmentationNet(widths=[8, 8, 8, 8, 8], depths=[1, 1, 1, 1], decoder=16, long_side=64)
 
 
-def test_training_learns_what_colours_tell() -> None:
+def test_training_learns_what_colours_tell():
     settings = SegmentationSettings(
         batch=4, small=64, long_side=64, steps=30, learning_rate=1e-2, evaluate_every=15
     )
@@ -79,16 +75,16 @@ def test_training_learns_what_colours_tell() -> None:
     assert trained.score > 0.4  # the commonest label alone gives under 0.15
 
 
-def test_a_network_learns_its_teachers_averaged_answers_whatever_labels_say(tmp_path: Path) -> None:
+def test_a_network_learns_its_teachers_averaged_answers_whatever_labels_say(tmp_path):
     torch.manual_seed(0)
     photos = [_striped(k) for k in range(6)]
     files = []
     for label in (CEILING, OTHER):  # each sees its own label everywhere, the first more surely
         network = _tiny()
         torch.nn.init.zeros_(network.head.weight)
-        torch.nn.init.zeros_(network.head.bias)  # type: ignore[arg-type]
+        torch.nn.init.zeros_(network.head.bias)
         with torch.no_grad():
-            network.head.bias[label] = 8.0 if label == CEILING else 4.0  # type: ignore[index]
+            network.head.bias[label] = 8.0 if label == CEILING else 4.0
         files.append(tmp_path / f"{label}.safetensors")
         save_model_file(files[-1], network.state_dict(), network.architecture)
     settings = SegmentationSettings(
@@ -103,7 +99,7 @@ def test_a_network_learns_its_teachers_averaged_answers_whatever_labels_say(tmp_
     torch.testing.assert_close(found, wanted, atol=0.06, rtol=0)
 
 
-def _write_data_set(root: Path) -> None:
+def _write_data_set(root):
     (root / "data_lists").mkdir(parents=True)
     for split, house in (("train", "h1"), ("val", "h2")):
         (root / "data_lists" / f"{split}.txt").write_text(house + "\n")
@@ -124,14 +120,14 @@ def _write_data_set(root: Path) -> None:
         ({"mixing": 1.5}, "mixing 1.5"),
     ],
 )
-def test_settings_out_of_range_are_refused_before_work(wrong: dict[str, Any], found: str) -> None:
+def test_settings_out_of_range_are_refused_before_work(wrong, found):
     with pytest.raises(InputError, match=found):
         averaged_runs([], [], SegmentationSettings(**wrong), seed=0)
 
 
 def test_a_trained_network_is_written_with_those_beside_it_and_the_next_starts_from_their_mean(
-    tmp_path: Path,
-) -> None:
+    tmp_path,
+):
     _write_data_set(tmp_path / "data")
     other = SegmentationNet(attention=2, elevation=True, labels=len(LABELS_AND_OPENINGS))
     other_file, model = tmp_path / "o.safetensors", tmp_path / "m.safetensors"
@@ -160,8 +156,8 @@ def test_a_trained_network_is_written_with_those_beside_it_and_the_next_starts_f
 
 
 def test_a_network_of_imagenet_adds_to_one_of_the_ensemble_that_training_starts_from(
-    tmp_path: Path, colours_as_imagenet: None
-) -> None:
+    tmp_path, colours_as_imagenet
+):
     _write_data_set(tmp_path / "data")
     networks = [SegmentationNet(elevation=True, labels=len(LABELS_AND_OPENINGS)) for _ in range(2)]
     ensemble = ensemble_of(networks)
@@ -180,14 +176,14 @@ def test_a_network_of_imagenet_adds_to_one_of_the_ensemble_that_training_starts_
     own = networks[1].half().float().state_dict()
     assert all(torch.equal(v, own[k]) for k, v in found.state_dict().items() if "stage" in k)
     added = list(found.adapters[4].children())[-1]
-    assert added.bias.abs().max() > 0.5  # type: ignore[union-attr, operator]
+    assert added.bias.abs().max() > 0.5
     again = dataclasses.replace(settings, start=str(model), fresh_learning_rate=0.0)
     train_segmentation(data, start, card, settings=again, seed=1)
-    bias = list(load_segmenter(start).network.adapters[4].children())[-1].bias  # type: ignore[operator, union-attr]
-    assert torch.allclose(bias, added.bias, atol=0.1)  # type: ignore[union-attr, arg-type, operator]
+    bias = list(load_segmenter(start).network.adapters[4].children())[-1].bias
+    assert torch.allclose(bias, added.bias, atol=0.1)
 
 
-def test_normals_depth_and_openings_are_read_where_there_are_some(tmp_path: Path) -> None:
+def test_normals_depth_and_openings_are_read_where_there_are_some(tmp_path):
     _write_data_set(tmp_path)
     plain = read_labelled_photos(tmp_path, "train", long_side=64)[0]
     assert plain.geometry is None and not plain.openings
@@ -206,7 +202,7 @@ def test_normals_depth_and_openings_are_read_where_there_are_some(tmp_path: Path
     assert photo.geometry[-1, 0].tolist() == [0, 0, 0, 2.5]
 
 
-def test_amodal_labels_are_learned_where_there_are_some(tmp_path: Path) -> None:
+def test_amodal_labels_are_learned_where_there_are_some(tmp_path):
     _write_data_set(tmp_path)
     visible = read_labelled_photos(tmp_path, "train", long_side=32)[0]
     assert visible.learned is visible.labels
@@ -221,7 +217,7 @@ def test_amodal_labels_are_learned_where_there_are_some(tmp_path: Path) -> None:
     np.testing.assert_array_equal(photo.learned, np.full((24, 32), WINDOW))
 
 
-def test_a_split_without_photos_is_an_error(tmp_path: Path) -> None:
+def test_a_split_without_photos_is_an_error(tmp_path):
     _write_data_set(tmp_path)
     assert [p.name for p in read_labelled_photos(tmp_path, "val", long_side=32)] == ["h2_a.png"]
     (tmp_path / "data_lists" / "val.txt").write_text("")

@@ -1,5 +1,3 @@
-"""Training of the texture model: data, one run in small, resuming, the card."""
-
 from dataclasses import replace
 from pathlib import Path
 
@@ -27,18 +25,18 @@ SETTINGS = TextureSettings(
 
 
 @pytest.fixture(scope="module")
-def textures() -> td.TextureSet:
+def textures():
     return td.procedural_textures(8, seed=3)
 
 
 @pytest.fixture(scope="module")
-def materials(tmp_path_factory) -> Path:
+def materials(tmp_path_factory):
     path = tmp_path_factory.mktemp("materials") / "materials.npz"
     td.write_materials(path, td.MaterialSettings(procedural=4, held_out=4), seed=3)
     return path
 
 
-def test_materials_come_back_as_they_were_made(textures, materials) -> None:
+def test_materials_come_back_as_they_were_made(textures, materials):
     learnt, held_out = td.read_materials(materials)
     assert np.array_equal(learnt.tiles, textures.tiles[:4])
     assert list(held_out) == ["procedural"]
@@ -46,7 +44,7 @@ def test_materials_come_back_as_they_were_made(textures, materials) -> None:
     assert td.seen_textures(learnt)[:2] == ["4 procedural materials.", "No real tileable textures."]
 
 
-def test_training_repeats_itself_and_resumes_to_the_byte(textures, tmp_path) -> None:
+def test_training_repeats_itself_and_resumes_to_the_byte(textures, tmp_path):
     checkpoint = tmp_path / "texture.checkpoint"
     whole = train_texture_model(TINY, textures, SETTINGS, 0).network.state_dict()
     trainer = texture_trainer(TINY, textures, SETTINGS, 0)
@@ -63,7 +61,7 @@ def test_training_repeats_itself_and_resumes_to_the_byte(textures, tmp_path) -> 
     assert not texture_trainer(TINY, textures, SETTINGS, 0, run="others").resume(checkpoint)
 
 
-def test_run_writes_weights_and_card(materials, tmp_path, monkeypatch) -> None:
+def test_run_writes_weights_and_card(materials, tmp_path, monkeypatch):
     monkeypatch.setattr(texture_run, "ARCHITECTURES", {"texture": TINY})
     output, card = tmp_path / "texture.safetensors", tmp_path / "texture.md"
     texture_run.train_texture("texture", materials, output, card, settings=SETTINGS, seed=0)
@@ -75,7 +73,7 @@ def test_run_writes_weights_and_card(materials, tmp_path, monkeypatch) -> None:
         texture_run.train_texture("other", materials, output, card, settings=SETTINGS, seed=0)
 
 
-def test_shipped_texture_model_keeps_its_figures() -> None:
+def test_shipped_texture_model_keeps_its_figures():
     path = Path(__file__).parents[2] / "resources" / "models" / "texture.safetensors"
     figures = texture_run.measure(load_texture_model(path), td.procedural_textures(8, 77), 0)
     assert figures["color"] < 0.3

@@ -1,24 +1,22 @@
-"""The training loop: repeats itself, goes on from a checkpoint, keeps the best, averages."""
-
 import numpy as np
 import pytest
 import torch
 from torch import nn
 
-from plan2scene_workshop.training.loop import Trained, Trainer, TrainerOptions, cosine
+from plan2scene_workshop.training.loop import Trainer, TrainerOptions, cosine
 
 
-def trainer(**changes) -> Trainer:
+def trainer(**changes):
     """Return a trainer of a small network with dropout and batch statistics on y = sum(x)."""
     torch.manual_seed(0)
     network = nn.Sequential(nn.Linear(3, 8), nn.BatchNorm1d(8), nn.Dropout(0.2), nn.Linear(8, 1))
 
-    def loss(step: int, rng: np.random.Generator) -> dict[str, torch.Tensor]:
+    def loss(step, rng):
         x = torch.from_numpy(rng.random((16, 3), dtype=np.float32))
         error = (network(x)[:, 0] - x.sum(1)).square().mean()
         return {"error": error, "size": 1e-4 * network[0].weight.square().mean()}
 
-    def evaluate(network: nn.Module) -> float:
+    def evaluate(network):
         x = torch.eye(3)
         return -float((network(x)[:, 0] - 1.0).abs().mean())
 
@@ -34,7 +32,7 @@ def trainer(**changes) -> Trainer:
     return Trainer(network, loss, optimiser, options, evaluate=evaluate, run="settings")
 
 
-def same(first: Trained, second: Trained) -> bool:
+def same(first, second):
     states = first.network.state_dict(), second.network.state_dict()
     return (first.step, first.score) == (second.step, second.score) and all(
         torch.equal(value, states[1][name]) for name, value in states[0].items()

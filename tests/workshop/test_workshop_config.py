@@ -1,5 +1,3 @@
-"""The workshop's configuration files, their schema and their documentation agree."""
-
 import json
 from pathlib import Path
 
@@ -12,7 +10,7 @@ WORKSHOP = Path(__file__).parents[2] / "workshop"
 SCHEMA = json.loads((WORKSHOP / "schemas" / "config.schema.json").read_text())
 
 
-def merged(name: str) -> dict:
+def merged(name):
     """Return config.yaml with the keys of another file in it, one by one as Snakemake does."""
     config = yaml.safe_load((WORKSHOP / "config" / "config.yaml").read_text())
     update_config(config, yaml.safe_load((WORKSHOP / "config" / name).read_text()))

@@ -1,7 +1,4 @@
-"""Released checkpoints: files in the authors' form are made here, converted, and compared."""
-
 import os
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -34,14 +31,14 @@ SIGNED = {  # (channel, row, column): 2 RGB - 1
 class Code:
     """Something that a pickle can hold: reading it calls the system's shell."""
 
-    def __init__(self, witness: Path) -> None:
+    def __init__(self, witness):
         self.witness = witness
 
     def __reduce__(self):
         return os.system, (f"touch {self.witness}",)
 
 
-def released(path: Path, state: dict[str, torch.Tensor], **more: object) -> Path:
+def released(path, state, **more):
     """Write a file in the form of the authors' texture checkpoints."""
     stats = {"loss": np.float64(0.5), "epochs": [1, 2]}
     optimizer = {
@@ -54,17 +51,17 @@ def released(path: Path, state: dict[str, torch.Tensor], **more: object) -> Path
 
 
 @pytest.fixture(scope="module")
-def official() -> TextureModel:
+def official():
     return formula_model()
 
 
 @pytest.fixture(scope="module")
-def checkpoint(official, tmp_path_factory) -> Path:
+def checkpoint(official, tmp_path_factory):
     return released(tmp_path_factory.mktemp("released") / "synth.ckpt", official.state_dict())
 
 
 @pytest.fixture
-def means() -> TypeMeans:
+def means():
     rng = np.random.default_rng(0)
     shape = (len(ROOM_TYPES), 3)
     return TypeMeans(

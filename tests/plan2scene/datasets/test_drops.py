@@ -1,5 +1,3 @@
-"""Photos that are hidden at a drop fraction, with and without the data set's list."""
-
 from itertools import pairwise
 
 import pytest

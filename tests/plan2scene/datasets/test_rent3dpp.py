@@ -1,5 +1,3 @@
-"""A Rent3D++ copy as it lies on disk: what is read of it, and what is said of what it lacks."""
-
 import json
 from pathlib import Path
 
@@ -9,11 +7,7 @@ import pytest
 from rent3dpp_copy import drawn_icons, write_rent3dpp_copy
 
 from plan2scene.datasets.house_table import table_of_lists
-from plan2scene.datasets.import_plan import (
-    add_object_boxes,
-    import_plan,
-    read_object_boxes,
-)
+from plan2scene.datasets.import_plan import add_object_boxes, import_plan, read_object_boxes
 from plan2scene.datasets.layout import find_layout
 from plan2scene.errors import InputError
 from plan2scene.images import png_bytes, write_png
@@ -34,7 +28,7 @@ HOUSES = {
 
 
 @pytest.fixture(scope="module")
-def results(tmp_path_factory) -> Path:
+def results(tmp_path_factory):
     """Return results of a run: one crop of the first photo's floor, wall and ceiling."""
     folder = tmp_path_factory.mktemp("results")
     png = png_bytes(np.full((128, 128, 3), 90, np.uint8))
@@ -48,7 +42,7 @@ def results(tmp_path_factory) -> Path:
 
 
 @pytest.fixture
-def source(tmp_path) -> Path:
+def source(tmp_path):
     """Return a data set of four generated houses with three blank photos each."""
     root = tmp_path / "source"
     for house_id, split in HOUSES.items():
@@ -66,16 +60,16 @@ def source(tmp_path) -> Path:
 
 
 @pytest.fixture
-def copy(source, results, tmp_path) -> Path:
+def copy(source, results, tmp_path):
     assert write_rent3dpp_copy(source, tmp_path / "copy", crops=results) == list(HOUSES)
     return tmp_path / "copy"
 
 
-def lines_of(root: Path) -> list[str]:
+def lines_of(root):
     return [str(problem) for problem in check_dataset(root)]
 
 
-def dataset(root: Path, **changes: object) -> dict:
+def dataset(root, **changes):
     return {"root": str(root), "table": None, "architecture": "bare"} | changes
 
 

@@ -1,5 +1,3 @@
-"""A small house with crops and tiny models: what the evaluation's jobs read."""
-
 import numpy as np
 import pandas as pd
 import pytest

@@ -1,5 +1,3 @@
-"""Ablations: each variant changes what it says and nothing else."""
-
 import pytest
 
 from plan2scene.evaluation.ablation import VARIANTS, ablate_house

@@ -1,5 +1,3 @@
-"""A house by all methods of a table: tiles and figures are those of the stages on their own."""
-
 import shutil
 from dataclasses import replace
 

@@ -1,5 +1,3 @@
-"""Metrics of a house against crops made by hand, and the table over such houses."""
-
 import numpy as np
 import pandas as pd
 import pytest

@@ -1,5 +1,3 @@
-"""The sweep: photos hidden at any fraction, and figures that are those of the stages."""
-
 import csv
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Tables house by house: the figures of all houses at once, memory that does not grow."""
-
 import tracemalloc
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""Procedural materials: they tile, have a real size, are varied and reproducible."""
-
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -11,7 +7,7 @@ from plan2scene.materials import KINDS, load_texture_folder, random_material
 from plan2scene_workshop.rendering.index import textures_of_split
 
 
-def seam_ratio(image: np.ndarray, axis: int) -> float:
+def seam_ratio(image, axis):
     """Return the mean step across the wrap edge over the largest one inside (joints: about 1)."""
     grey = image.astype(float).mean(2)
     steps = np.abs(np.roll(grey, -1, axis) - grey).mean(1 - axis)
@@ -19,7 +15,7 @@ def seam_ratio(image: np.ndarray, axis: int) -> float:
 
 
 @pytest.mark.parametrize(("substance", "kind"), [(s, k) for s in KINDS for k in KINDS[s]])
-def test_every_kind_tiles_and_has_a_metric_size(substance: str, kind: str) -> None:
+def test_every_kind_tiles_and_has_a_metric_size(substance, kind):
     for seed in range(3):
         material = random_material(substance, seed, kind=kind)
         assert material.albedo.shape == (256, 256, 3)
@@ -31,19 +27,19 @@ def test_every_kind_tiles_and_has_a_metric_size(substance: str, kind: str) -> No
         assert seam_ratio(material.albedo, 1) <= 1.3
 
 
-def test_same_seed_same_bytes_and_other_seed_other_material() -> None:
+def test_same_seed_same_bytes_and_other_seed_other_material():
     first, again = random_material("wood", 5), random_material("wood", 5)
     assert first.name == again.name
     assert np.array_equal(first.albedo, again.albedo)
     assert random_material("wood", 6).name != first.name
 
 
-def test_a_given_colour_is_the_mean_colour_of_paint() -> None:
+def test_a_given_colour_is_the_mean_colour_of_paint():
     paint = random_material("plaster", 3, kind="paint", colour_rgb=(200, 180, 160))
     assert np.allclose(paint.albedo.reshape(-1, 3).mean(0), (200, 180, 160), atol=3)
 
 
-def test_texture_folder_reads_images_of_a_split(tmp_path: Path) -> None:
+def test_texture_folder_reads_images_of_a_split(tmp_path):
     for k, substance in enumerate(("wood", "tile")):
         texture = random_material(substance, k, size_px=64)
         write_png(tmp_path / substance / f"{substance}1.png", texture.albedo)

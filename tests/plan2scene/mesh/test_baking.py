@@ -1,5 +1,3 @@
-"""Baked occlusion."""
-
 import io
 import sys
 

@@ -1,5 +1,3 @@
-"""The house stage on files, as rules call it."""
-
 import json
 
 import pytest

@@ -1,5 +1,3 @@
-"""Fixed objects of the plan."""
-
 import logging
 from dataclasses import replace
 
@@ -24,7 +22,7 @@ def room_of_four(shared_house):
     return House("h", (room,), walls)
 
 
-def objects_of(house: House, *icons: IconBox):
+def objects_of(house, *icons):
     parts = assemble(replace(house, icons=icons)).parts
     return [part for part in parts if part.extras["kind"] in ("object", "stairs")]
 

@@ -1,5 +1,3 @@
-"""GLB and OBJ files, read again by trimesh; lamps and the sun; normal maps."""
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Every GLB passes the Khronos validator (npm package gltf-validator) without an error."""
-
 import json
 import os
 import shutil

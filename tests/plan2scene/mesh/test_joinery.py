@@ -1,5 +1,3 @@
-"""Doors and windows."""
-
 from dataclasses import replace
 
 import numpy as np

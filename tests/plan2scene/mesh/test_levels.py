@@ -1,5 +1,3 @@
-"""Storeys and stairs as meshes, and railings of wells, balconies and terraces."""
-
 from dataclasses import replace
 
 import numpy as np

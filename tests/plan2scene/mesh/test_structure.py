@@ -1,5 +1,3 @@
-"""The parts of a house: areas, openings, walls, skirting boards, triangles."""
-
 import dataclasses
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""COLOR, FREQ and TILE against the figures of the reference implementation."""
-
 import colorsys
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""FID and KID against closed forms, their definitions and torchmetrics."""
-
 import numpy as np
 import pytest
 import torch

@@ -1,5 +1,3 @@
-"""Networks by their weight files: VGG-16 for SUBS, InceptionV3 for FID and KID."""
-
 import numpy as np
 import pytest
 import torch

@@ -1,5 +1,3 @@
-"""The embedded substance network: its file, its outputs, and the shipped weights."""
-
 import cv2
 import numpy as np
 import pytest

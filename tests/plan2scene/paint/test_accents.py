@@ -1,5 +1,3 @@
-"""Walls of another paint than their room's are found by the photos' colours."""
-
 from dataclasses import replace
 
 import numpy as np

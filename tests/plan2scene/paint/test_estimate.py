@@ -1,5 +1,3 @@
-"""Paint and light are told apart where photos tie them together."""
-
 from dataclasses import replace
 
 import numpy as np

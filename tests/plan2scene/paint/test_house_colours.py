@@ -1,5 +1,3 @@
-"""Colours of surfaces from all that is seen of a house."""
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -7,17 +5,12 @@ import pytest
 from plan2scene.colour import LUMINANCE, linear_to_srgb
 from plan2scene.io import write_parquet
 from plan2scene.paint.light import expected_colours
-from plan2scene.paint.observations import (
-    HouseColours,
-    house_colours,
-    matte_colour,
-    usual_colour,
-)
+from plan2scene.paint.observations import HouseColours, house_colours, matte_colour, usual_colour
 
 GREY = np.full((4, 3, 3), 0.5)
 
 
-def shown(**seen: tuple[tuple[int, int], float, float]) -> HouseColours:
+def shown(**seen):
     """Return what is seen: place, grey linear value, photos."""
     colours, photos = np.zeros((4, 3, 3)), np.zeros((4, 3))
     for place, value, count in seen.values():
@@ -72,7 +65,7 @@ def test_as_if_unseen_is_what_is_expected_without_it():
 
 
 def test_one_photo_with_much_of_a_surface_does_not_outvote_two(tmp_path):
-    def row(photo: str, weight: float, grey: float) -> dict:
+    def row(photo, weight, grey):
         place = {"photo": photo, "room_id": "hall", "surface": "floor", "plane": 0, "own": True}
         return {**place, "weight": weight, "colours": np.full(96, grey, np.float32).tolist()}
 

@@ -1,5 +1,3 @@
-"""Light of a house's photos: what the estimate recovers, and what it leaves alone."""
-
 import numpy as np
 import pytest
 
@@ -12,13 +10,7 @@ from plan2scene.colour import (
     rgb_to_lab,
     srgb_to_linear,
 )
-from plan2scene.paint.light import (
-    GAINS,
-    estimate_light,
-    house_gains,
-    recoloured,
-    relight,
-)
+from plan2scene.paint.light import GAINS, estimate_light, house_gains, recoloured, relight
 from plan2scene.paint.observations import SurfaceColour
 
 WHITE, GREEN, OAK = (0.83, 0.82, 0.8), (0.35, 0.5, 0.4), (0.3, 0.2, 0.1)

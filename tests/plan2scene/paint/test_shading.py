@@ -1,12 +1,10 @@
-"""Light within crops: shading, highlights and casts."""
-
 import numpy as np
 import pytest
 
 from plan2scene.paint.shading import flatten, highlights, log_luma
 
 
-def test_shading_goes_and_relief_stays() -> None:
+def test_shading_goes_and_relief_stays():
     rng = np.random.default_rng(0)
     relief = rng.normal(0, 0.04, (4, 128, 128))
     across = np.linspace(-0.25, 0.25, 128)
@@ -21,7 +19,7 @@ def test_shading_goes_and_relief_stays() -> None:
     assert log_luma(flat).std(axis=(1, 2)) == pytest.approx(relief.std(axis=(1, 2)), rel=0.1)
 
 
-def lamps_on_stone(count: int, side: int) -> np.ndarray:
+def lamps_on_stone(count, side):
     """Return crops (3, 128, 128, 3) of grey stone with white squares, evenly placed."""
     stone = 0.55 + np.random.default_rng(1).normal(0, 0.02, (3, 128, 128, 1)) * np.ones(3)
     for number in range(count):
@@ -31,7 +29,7 @@ def lamps_on_stone(count: int, side: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize(("count", "side", "found"), [(4, 4, 4), (30, 4, 0), (2, 18, 0), (0, 4, 0)])
-def test_lamps_mirrored_in_a_floor_are_highlights(count: int, side: int, found: int) -> None:
+def test_lamps_mirrored_in_a_floor_are_highlights(count, side, found):
     images = lamps_on_stone(count, side)
     masks = highlights(images)
     assert masks[images.min(axis=3) > 0.9].all() == (found > 0 or count == 0)

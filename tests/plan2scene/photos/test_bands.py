@@ -1,5 +1,3 @@
-"""Walls in bands, found in views of walls that are lit unevenly."""
-
 import numpy as np
 import pytest
 

@@ -1,5 +1,3 @@
-"""Cameras of line drawings whose truth is known."""
-
 from functools import cache
 
 import cv2

@@ -1,5 +1,3 @@
-"""Ceilings are as high as photos show them, where the plan does not say."""
-
 from dataclasses import replace
 
 import numpy as np

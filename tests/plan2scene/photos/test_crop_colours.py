@@ -1,5 +1,3 @@
-"""What colours planes of photos show, and what is read of them."""
-
 import numpy as np
 from views import camera_looking
 

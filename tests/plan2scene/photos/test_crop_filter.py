@@ -1,5 +1,3 @@
-"""Filters before the selection: what they refuse, and that patterns and shading pass."""
-
 import cv2
 import numpy as np
 

@@ -1,5 +1,3 @@
-"""Crop sampling and the crops stage on drawn rooms of known scale."""
-
 import shutil
 from dataclasses import replace
 

@@ -1,5 +1,3 @@
-"""Focal lengths of EXIF data: good, stripped, absurd, cropped, damaged."""
-
 import numpy as np
 import pytest
 from PIL import ExifTags, Image

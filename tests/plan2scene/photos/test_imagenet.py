@@ -1,7 +1,3 @@
-"""A network of ImageNet beside the own encoder: with one that stands for it, and with it."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import torch

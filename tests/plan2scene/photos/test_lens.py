@@ -1,5 +1,3 @@
-"""Photos of one shoot share a lens; those that are sure of another keep theirs."""
-
 from dataclasses import replace
 
 import pytest

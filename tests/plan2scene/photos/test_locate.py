@@ -1,5 +1,3 @@
-"""Photos of rooms whose labels are rendered from known poses are found where they were taken."""
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,8 +1,5 @@
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,11 +15,11 @@ from plan2scene.photos.photo_files import read_photo
 from plan2scene_app.workflow.planning import lacks_rooms
 
 
-def _photo(height: int = 60, width: int = 80) -> np.ndarray:
+def _photo(height=60, width=80):
     return np.random.default_rng(0).integers(0, 256, (height, width, 3), dtype=np.uint8)
 
 
-def _labels(height: int = 60, width: int = 80) -> np.ndarray:
+def _labels(height=60, width=80):
     labels = np.full((height, width), masks.WALL, np.uint8)
     labels[: height // 4] = masks.CEILING
     labels[-height // 3 :] = masks.FLOOR
@@ -30,7 +27,7 @@ def _labels(height: int = 60, width: int = 80) -> np.ndarray:
     return labels
 
 
-def test_values_of_a_palette_or_grey_png_are_labels(tmp_path: Path) -> None:
+def test_values_of_a_palette_or_grey_png_are_labels(tmp_path):
     labels = _labels()
     marked = labels.copy()
     marked[0, 0] = masks.IGNORE
@@ -47,7 +44,7 @@ def test_values_of_a_palette_or_grey_png_are_labels(tmp_path: Path) -> None:
         assert np.array_equal(masks.read_label_png(tmp_path / name), labels)
 
 
-def test_read_label_png_refuses_what_is_no_mask(tmp_path: Path) -> None:
+def test_read_label_png_refuses_what_is_no_mask(tmp_path):
     (tmp_path / "text.png").write_text("no image")
     write_png(tmp_path / "colour.png", _photo())
     write_png(tmp_path / "grey.png", np.full((4, 4), 6, np.uint8))
@@ -59,7 +56,7 @@ def test_read_label_png_refuses_what_is_no_mask(tmp_path: Path) -> None:
             masks.read_label_png(tmp_path / f"{name}.png")
 
 
-def test_large_photos_and_their_masks_are_reduced_together(tmp_path: Path) -> None:
+def test_large_photos_and_their_masks_are_reduced_together(tmp_path):
     labels = np.zeros((1800, 3200), np.uint8)
     labels[900:, :] = masks.FLOOR
     labels[:, 1600:] = masks.WALL
@@ -79,7 +76,7 @@ def test_large_photos_and_their_masks_are_reduced_together(tmp_path: Path) -> No
         masks.labels_from_folder(tmp_path / "masks", "room.png", (900, 1600))
 
 
-def test_labeller_refuses_unknown_source_and_missing_folder(tmp_path: Path) -> None:
+def test_labeller_refuses_unknown_source_and_missing_folder(tmp_path):
     with pytest.raises(InputError, match="embedded, imagenet, precomputed, pretrained"):
         labeller("guess", house_id="h")
     with pytest.raises(InputError, match=r"house h.*masks"):
@@ -88,14 +85,14 @@ def test_labeller_refuses_unknown_source_and_missing_folder(tmp_path: Path) -> N
         labeller("embedded")
 
 
-def test_make_masks_refuses_two_photos_with_one_stem(tmp_path: Path) -> None:
+def test_make_masks_refuses_two_photos_with_one_stem(tmp_path):
     photos = {name: tmp_path / name for name in ("a.png", "a.jpg")}
     with pytest.raises(InputError, match=r"a\.jpg and a\.png"):
         make_masks(photos, partial(labeller, "embedded"), tmp_path / "out", house_id="h")
     assert not (tmp_path / "out").exists()
 
 
-def test_what_only_tells_rooms_is_made_where_one_is_sought(tmp_path: Path) -> None:
+def test_what_only_tells_rooms_is_made_where_one_is_sought(tmp_path):
     photo = np.kron(_photo(), np.ones((5, 5, 1), np.uint8))
     (tmp_path / "labels").mkdir()
     for number, name in enumerate(("a", "b")):
@@ -114,7 +111,7 @@ def test_what_only_tells_rooms_is_made_where_one_is_sought(tmp_path: Path) -> No
     assert [pair[:2] for pair in sought[2]] == [["a.png", "b.png"]]
 
 
-def test_what_looks_taken_from_outside_shows_a_room_by_its_floor(tmp_path: Path) -> None:
+def test_what_looks_taken_from_outside_shows_a_room_by_its_floor(tmp_path):
     (tmp_path / "labels").mkdir()
     for name, labels in (("room", _labels(300, 400)), ("garden", np.zeros((300, 400), np.uint8))):
         write_png(tmp_path / f"{name}.png", np.kron(_photo(), np.ones((5, 5, 1), np.uint8)))
@@ -128,7 +125,7 @@ def test_what_looks_taken_from_outside_shows_a_room_by_its_floor(tmp_path: Path)
     assert found == {"room.png": kinds.tolist(), "garden.png": [0.0] * len(masks.KINDS)}
 
 
-def test_probabilities_of_visible_and_amodal_labels_are_written_apart(tmp_path: Path) -> None:
+def test_probabilities_of_visible_and_amodal_labels_are_written_apart(tmp_path):
     write_png(tmp_path / "a.png", np.kron(_photo(), np.ones((5, 5, 1), np.uint8)))
     seen, behind = (np.zeros((6, 6, 8), np.float32) for _ in range(2))
     seen[masks.OTHER], behind[masks.WALL] = 1, 1
@@ -142,12 +139,12 @@ def test_probabilities_of_visible_and_amodal_labels_are_written_apart(tmp_path: 
 @pytest.mark.parametrize(
     ("rows", "lacks"), [("hall,a.jpg\n", False), ("hall,a.jpg\n,b.jpg\n", True), ('"', False)]
 )
-def test_a_photo_table_tells_whether_it_leaves_a_room_out(tmp_path: Path, rows, lacks) -> None:
+def test_a_photo_table_tells_whether_it_leaves_a_room_out(tmp_path, rows, lacks):
     (tmp_path / "photos.csv").write_text(f"room_id,photo\n{rows}")
     assert lacks_rooms(tmp_path / "photos.csv") is lacks
 
 
-def test_masks_that_tell_openings_are_read_with_and_without_them(tmp_path: Path) -> None:
+def test_masks_that_tell_openings_are_read_with_and_without_them(tmp_path):
     labels = _labels()
     labels[40:44] = masks.DOOR
     labels[20:30, 20:30] = masks.WINDOW

@@ -1,9 +1,3 @@
-"""The segmentation network: several as one, and folded for labelling."""
-
-from __future__ import annotations
-
-from pathlib import Path
-
 import numpy as np
 import torch
 from torch import nn
@@ -16,16 +10,16 @@ from plan2scene_workshop.segmentation.run import ensemble_of
 TINY = {"widths": [8] * 5, "depths": [1] * 4, "decoder": 16, "long_side": 64, "elevation": True}
 
 
-def _network(seed: int) -> SegmentationNet:
+def _network(seed):
     torch.manual_seed(seed)
-    return SegmentationNet(**TINY).eval()  # type: ignore[arg-type]
+    return SegmentationNet(**TINY).eval()
 
 
-def _photo() -> np.ndarray:
+def _photo():
     return np.random.default_rng(0).integers(0, 256, (48, 64, 3), dtype=np.uint8)
 
 
-def test_logits_are_the_members_mean() -> None:
+def test_logits_are_the_members_mean():
     networks = [_network(seed) for seed in range(3)]
     ensemble = ensemble_of(networks).eval()
     x, elevation = torch.rand(2, 3, 64, 96), torch.rand(2, 64, 96)
@@ -33,7 +27,7 @@ def test_logits_are_the_members_mean() -> None:
     torch.testing.assert_close(ensemble(x, elevation), mean)
 
 
-def test_a_file_of_several_networks_round_trips(tmp_path: Path) -> None:
+def test_a_file_of_several_networks_round_trips(tmp_path):
     ensemble = ensemble_of([_network(seed) for seed in range(2)])
     path = tmp_path / "e.safetensors"
     save_model_file(path, ensemble.state_dict(), ensemble.architecture, half=False)
@@ -43,7 +37,7 @@ def test_a_file_of_several_networks_round_trips(tmp_path: Path) -> None:
     assert np.array_equal(loaded.labels(_photo()), Segmenter(ensemble).labels(_photo()))
 
 
-def _trained() -> SegmentationNet:
+def _trained():
     """Return a network whose batch norms have statistics, scales and shifts of their own."""
     torch.manual_seed(0)
     network = SegmentationNet(widths=[8] * 5, depths=[2] * 4, decoder=16, elevation=True)
@@ -57,7 +51,7 @@ def _trained() -> SegmentationNet:
     return network
 
 
-def test_a_folded_network_has_no_batch_norm_and_the_same_answers() -> None:
+def test_a_folded_network_has_no_batch_norm_and_the_same_answers():
     network = _trained()
     quick = folded(network)
     assert not [m for m in quick.modules() if isinstance(m, nn.BatchNorm2d)]

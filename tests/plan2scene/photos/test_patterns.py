@@ -1,5 +1,3 @@
-"""Patterns of floors, found in views of floors whose units have known sizes."""
-
 from dataclasses import replace
 
 import cv2
@@ -21,15 +19,13 @@ SIDE_M = 2.4
 SIZE_PX = round(SIDE_M * JOINTS.px_per_m)
 
 
-def floor(columns: int, rows: int, offset: float, seed: int) -> np.ndarray:
+def floor(columns, rows, offset, seed):
     """Return a floor of rows of units."""
     offsets = np.arange(rows) * offset
     return made_of(bonds.bond(SIZE_PX, columns, rows, SIDE_M, offsets), seed)
 
 
-def made_of(
-    layout: bonds.Layout, seed: int, *, turned: bool = False, joint: float = 0.2
-) -> np.ndarray:
+def made_of(layout, seed, *, turned=False, joint=0.2):
     """Return units of random tones with dark joints of 3 mm; grain is `turned` with its unit."""
     size = layout.key.shape[0]
     rng = np.random.default_rng(seed)
@@ -39,7 +35,7 @@ def made_of(
     return np.repeat(value[..., None], 3, axis=2)
 
 
-def view(image: np.ndarray, angle: float, *, scale: float = 1.0, room: str = "hall") -> FloorView:
+def view(image, angle, *, scale=1.0, room="hall"):
     """Return a view of a floor turned by an angle, under uneven light, with noise."""
     side = image.shape[0]
     turn = cv2.getRotationMatrix2D((side / 2, side / 2), -angle, scale)
@@ -108,7 +104,7 @@ def test_what_has_no_joints_has_no_pattern(substance, kind):
     assert find_pattern([replace(seen, px_per_m=90.0)])[0].confidence < 0.5
 
 
-def slanting(zigzag: Zigzag, seed: int, joint: float = 0.2) -> np.ndarray:
+def slanting(zigzag, seed, joint=0.2):
     """Return a floor whose planks lie in columns along x."""
     y, x = np.mgrid[:SIZE_PX, :SIZE_PX] / JOINTS.px_per_m
     number, u, v, edge = (np.asarray(part) for part in zigzag.planks(x, y))
@@ -118,7 +114,7 @@ def slanting(zigzag: Zigzag, seed: int, joint: float = 0.2) -> np.ndarray:
     )
 
 
-def zigzags() -> list[Zigzag]:
+def zigzags():
     """Return herringbones and chevrons of sizes that are sold."""
     sizes = ((0.06, 0.3), (0.09, 0.45), (0.12, 0.6))
     return [Zigzag(kind, *size) for kind in ("herringbone", "chevron") for size in sizes] + [

@@ -1,5 +1,3 @@
-"""Photos of more pixels than are worked on are reduced while they are decoded, the right way up."""
-
 import numpy as np
 import pytest
 from PIL import Image
@@ -15,7 +13,7 @@ def small_limits(monkeypatch):
     monkeypatch.setattr(photo_files, "MAX_SIDE", 100)
 
 
-def picture(width=800, height=600) -> Image.Image:
+def picture(width=800, height=600):
     """Return a picture that is red at its left, and lighter downwards."""
     pixels = np.zeros((height, width, 3), np.uint8)
     pixels[:, : width // 4, 0] = 200

@@ -1,5 +1,3 @@
-"""Planes of a photo: what splits them, their scale, and what lies beyond the room."""
-
 import numpy as np
 import pytest
 from box_room import DEEP, HEIGHT, WIDE, open_door_view

@@ -1,5 +1,3 @@
-"""Rectified planes: scale, orientation, and what is cut away."""
-
 import numpy as np
 import pytest
 from views import camera_looking

@@ -1,5 +1,3 @@
-"""Which room's surface each pixel of a located photo shows, checked by where its ray ends."""
-
 import numpy as np
 from box_room import DOOR_EYE as EYE
 from box_room import WIDE, open_door_view

@@ -1,5 +1,3 @@
-"""Windows that photos show in a house whose plan draws none."""
-
 from dataclasses import replace
 
 import numpy as np

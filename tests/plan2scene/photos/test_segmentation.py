@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import torch
@@ -12,18 +10,18 @@ from plan2scene.photos.labels.segmentation import MEDIAN, Segmenter, brightened
 TINY = {"widths": [8, 8, 8, 8, 8], "depths": [1, 1, 1, 1], "decoder": 16, "long_side": 64}
 
 
-def _tiny() -> SegmentationNet:
+def _tiny():
     torch.manual_seed(0)
-    return SegmentationNet(**TINY).eval()  # type: ignore[arg-type]
+    return SegmentationNet(**TINY).eval()
 
 
-def _photo(height: int, width: int, seed: int = 0) -> np.ndarray:
+def _photo(height, width, seed=0):
     return np.random.default_rng(seed).integers(0, 256, (height, width, 3), dtype=np.uint8)
 
 
-def test_openings_are_told_where_they_are_asked_for_and_else_change_nothing() -> None:
+def test_openings_are_told_where_they_are_asked_for_and_else_change_nothing():
     torch.manual_seed(0)
-    network = SegmentationNet(**TINY, labels=6)  # type: ignore[arg-type]
+    network = SegmentationNet(**TINY, labels=6)
     image = _photo(50, 70)
     plain, told = (Segmenter(network).labels(image, openings=asked) for asked in (False, True))
     assert {DOOR, WINDOW} & set(np.unique(told).tolist())
@@ -36,13 +34,13 @@ def test_openings_are_told_where_they_are_asked_for_and_else_change_nothing() ->
     assert (doors == DOOR).all() and not (told == DOOR).all()
 
 
-def _colours(_: SegmentationNet, x: torch.Tensor, __: torch.Tensor | None) -> torch.Tensor:
+def _colours(_, x, __):
     """Return logits that are the colours: red is floor, green wall, blue ceiling."""
     small = x[:, :, ::2, ::2]
     return torch.cat([torch.full_like(small[:, :1], 0.5), small], dim=1)
 
 
-def test_mirrored_answers_come_back_where_they_belong(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_mirrored_answers_come_back_where_they_belong(monkeypatch):
     network = _tiny()
     monkeypatch.setattr(SegmentationNet, "forward", _colours)
     image = np.zeros((48, 64, 3), np.uint8)
@@ -52,16 +50,16 @@ def test_mirrored_answers_come_back_where_they_belong(monkeypatch: pytest.Monkey
     assert (labels[:, 52:] == 0).all()
 
 
-def _camera(up: tuple[float, float, float]) -> Camera:
+def _camera(up):
     """Return a camera of 64 x 48 pixels that has `up` there, level in x or in z."""
     level = (1, 0, 0) if up[0] == 0 else (-up[1], up[0], 0)
     rotation = np.stack([level, up, np.cross(level, up)], 1)
     return Camera(64, 48, 40.0, 31.5, 23.5, tuple(map(tuple, rotation)), "config", 1.0, False)
 
 
-def test_segmenter_tells_the_network_where_the_horizon_is() -> None:
+def test_segmenter_tells_the_network_where_the_horizon_is():
     """A network that reads the elevation alone labels what is below the horizon floor."""
-    network = SegmentationNet(**TINY, elevation=True).eval()  # type: ignore[arg-type]
+    network = SegmentationNet(**TINY, elevation=True).eval()
     seen: list[torch.Tensor] = []
     network.register_forward_pre_hook(lambda _m, args: seen.append(args[1]))
     tilt = np.deg2rad(10)  # looks down: the horizon is above the middle
@@ -73,7 +71,7 @@ def test_segmenter_tells_the_network_where_the_horizon_is() -> None:
     assert np.array_equal(below.all(axis=1), rows > horizon)
 
 
-def test_dim_photos_are_brightened_and_others_are_not() -> None:
+def test_dim_photos_are_brightened_and_others_are_not():
     ramp = np.tile(np.arange(256, dtype=np.uint8)[None, :, None], (8, 1, 3))
     dim = (ramp * 0.2).astype(np.uint8)
     assert np.median(brightened(dim)) / 255 == pytest.approx(MEDIAN, abs=0.02)

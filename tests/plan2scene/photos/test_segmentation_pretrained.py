@@ -1,9 +1,5 @@
-from __future__ import annotations
-
 import json
 from dataclasses import asdict
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -19,7 +15,7 @@ COMMIT = "0123456789abcdef0123456789abcdef01234567"
 class _Fixed(torch.nn.Module):
     """Stands for an ADE20K network: each quarter of the picture is one class for certain."""
 
-    def forward(self, pixel_values: torch.Tensor) -> object:
+    def forward(self, pixel_values):
         logits = torch.zeros(1, 150, 20, 20)
         logits[0, 3, 10:, :10] = 5  # floor
         logits[0, 0, 10:, 10:] = 5  # wall
@@ -28,7 +24,7 @@ class _Fixed(torch.nn.Module):
         return type("Output", (), {"logits": logits})()
 
 
-def test_ade20k_classes_become_our_labels() -> None:
+def test_ade20k_classes_become_our_labels():
     labels = PretrainedSegmenter(_Fixed()).labels(np.zeros((40, 40, 3), np.uint8))
     assert labels[5, 5] == 3
     assert labels[5, 35] == 0
@@ -49,12 +45,12 @@ def test_ade20k_classes_become_our_labels() -> None:
         ({"id": "b", "revision": COMMIT}, "owner/name"),
     ],
 )
-def test_unclear_keys_are_one_line(keys: dict[str, str], words: str) -> None:
+def test_unclear_keys_are_one_line(keys, words):
     with pytest.raises(InputError, match=words):
         load_pretrained(Checkpoint(**keys))
 
 
-def _tiny_segformer(folder: Path, classes: int = 150, **options: Any) -> Checkpoint:
+def _tiny_segformer(folder, classes=150, **options):
     transformers = pytest.importorskip("transformers")
     torch.manual_seed(0)
     config = transformers.SegformerConfig(
@@ -69,7 +65,7 @@ def _tiny_segformer(folder: Path, classes: int = 150, **options: Any) -> Checkpo
     return Checkpoint(str(folder))
 
 
-def test_the_masks_stage_takes_a_segformer_checkpoint(tmp_path: Path) -> None:
+def test_the_masks_stage_takes_a_segformer_checkpoint(tmp_path):
     checkpoint = _tiny_segformer(tmp_path)
     label = labeller("pretrained", pretrained=asdict(checkpoint), house_id="h")
     image = np.random.default_rng(0).integers(0, 256, (30, 40, 3), dtype=np.uint8)
@@ -80,12 +76,12 @@ def test_the_masks_stage_takes_a_segformer_checkpoint(tmp_path: Path) -> None:
         labeller("pretrained", pretrained={"path": None}, house_id="h")
 
 
-def test_a_checkpoint_with_other_classes_is_refused(tmp_path: Path) -> None:
+def test_a_checkpoint_with_other_classes_is_refused(tmp_path):
     with pytest.raises(InputError, match="150 classes"):
         load_pretrained(_tiny_segformer(tmp_path, 19))
 
 
-def test_pickled_weights_are_refused(tmp_path: Path) -> None:
+def test_pickled_weights_are_refused(tmp_path):
     from safetensors.torch import load_file
 
     checkpoint = _tiny_segformer(tmp_path)
@@ -96,7 +92,7 @@ def test_pickled_weights_are_refused(tmp_path: Path) -> None:
         load_pretrained(checkpoint)
 
 
-def test_code_of_a_checkpoint_is_never_run(tmp_path: Path) -> None:
+def test_code_of_a_checkpoint_is_never_run(tmp_path):
     pytest.importorskip("transformers")
     (tmp_path / "evil.py").write_text(f"open({str(tmp_path / 'ran')!r}, 'w')\n")
     auto = {"AutoConfig": "evil.C", "AutoModelForSemanticSegmentation": "evil.M"}

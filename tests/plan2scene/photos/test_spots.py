@@ -1,5 +1,3 @@
-"""Photos of one spot are told by what they both show, and are located together."""
-
 import numpy as np
 import pytest
 from box_room import SIZE, box_house, rendered

@@ -1,7 +1,3 @@
-"""Things tell what a room is used for: with a network that stands for ImageNet's, and with it."""
-
-from __future__ import annotations
-
 import numpy as np
 import torch
 
@@ -12,14 +8,14 @@ from plan2scene.photos.labels.palette import KINDS, write_label_png
 STOVE, BATHTUB, LAKE = 827, 435, 975
 
 
-def _kind(kinds: np.ndarray) -> str:
+def _kind(kinds):
     return KINDS[int(kinds.argmax())]
 
 
 class _Colours(torch.nn.Module):
     """Sees a stove in red, a bathtub in blue, a lake in green, cell by cell, nothing in grey."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         super().__init__()
         self._fc = torch.nn.Linear(3, 1000)
         torch.nn.init.zeros_(self._fc.weight)
@@ -29,13 +25,13 @@ class _Colours(torch.nn.Module):
             self._fc.weight[STOVE, 0] = self._fc.weight[BATHTUB, 2] = 20.0
             self._fc.weight[LAKE, 1] = 20.0
 
-    def extract_features(self, photo: torch.Tensor) -> torch.Tensor:
+    def extract_features(self, photo):
         assert photo.shape[1] == 3
         assert photo.abs().max() <= 1.0
         return torch.nn.functional.avg_pool2d(photo, 32)
 
 
-def test_a_photo_is_taken_outside_where_much_of_it_is() -> None:
+def test_a_photo_is_taken_outside_where_much_of_it_is():
     photo = np.full((320, 448, 3), 100, np.uint8)
     told = things.ThingKinds(_Colours())
     assert not told.outside(photo)
@@ -43,14 +39,14 @@ def test_a_photo_is_taken_outside_where_much_of_it_is() -> None:
     assert told.outside(photo)
 
 
-def test_a_photo_looks_like_the_mean_of_its_cells() -> None:
+def test_a_photo_looks_like_the_mean_of_its_cells():
     photo = np.full((320, 448, 3), 127, np.uint8)
     photo[:, 224:] = (255, 127, 127)
     look = things.ThingKinds(_Colours()).look(photo)
     np.testing.assert_allclose(look, [0.5, 0, 0], atol=0.01)
 
 
-def test_a_thing_shows_in_a_part_of_a_photo_and_not_in_a_dot() -> None:
+def test_a_thing_shows_in_a_part_of_a_photo_and_not_in_a_dot():
     grey = np.full((480, 640, 3), 100, np.uint8)
     teller = things.ThingKinds(_Colours())
     np.testing.assert_allclose(teller.probabilities(grey), 1 / len(KINDS), atol=1e-6)
@@ -65,7 +61,7 @@ def test_a_thing_shows_in_a_part_of_a_photo_and_not_in_a_dot() -> None:
         assert teller.probabilities(large).max() < 0.8  # a stove beside a bathtub
 
 
-def test_the_kinds_of_a_labeller_are_those_of_things(tmp_path, monkeypatch) -> None:
+def test_the_kinds_of_a_labeller_are_those_of_things(tmp_path, monkeypatch):
     monkeypatch.setattr(imagenet, "load_imagenet", _Colours)
     write_label_png(tmp_path / "a.png", np.zeros((64, 96), np.uint8))
     found = labeller("precomputed", precomputed_dir=tmp_path, things=True, house_id="h")

@@ -1,5 +1,3 @@
-"""What is printed over all photos of a home is found, and labelled as no surface."""
-
 import cv2
 import numpy as np
 import pytest
@@ -13,13 +11,13 @@ from plan2scene.photos.masks import make_masks
 SIZE = (240, 360)
 
 
-def letters() -> np.ndarray:
+def letters():
     image = np.zeros(SIZE, np.uint8)
     cv2.putText(image, "AGENT", (200, 220), cv2.FONT_HERSHEY_SIMPLEX, 1.2, 255, 4)
     return image > 0
 
 
-def rooms(count: int, *, marked: bool) -> list[np.ndarray]:
+def rooms(count, *, marked):
     """Photos (h, w, 3) uint8 of boxes in many greys, with or without half transparent letters."""
     rng = np.random.default_rng(3)
     photos = []

@@ -1,5 +1,3 @@
-"""Which room photos show: each kind of evidence counts, and the photos of a home count together."""
-
 import itertools
 from dataclasses import replace
 

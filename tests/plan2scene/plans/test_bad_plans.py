@@ -1,5 +1,3 @@
-"""Every fault of a plan is one line that names file, house, room, expected and found."""
-
 import json
 
 import pytest

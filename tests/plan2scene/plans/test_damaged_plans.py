@@ -1,5 +1,3 @@
-"""Any damage to a plan is one clear line, or a house that holds and survives the round trip."""
-
 import pytest
 
 from plan2scene.errors import InputError

@@ -1,5 +1,3 @@
-"""The registry of plan formats: told apart by content, and a new one is one entry."""
-
 import os
 import sys
 

@@ -1,5 +1,3 @@
-"""Plans of several levels: what is read, what comes back, what is said of odd ones."""
-
 import json
 from pathlib import Path
 

@@ -1,5 +1,3 @@
-"""Plans that no real home is like: told by a warning, or refused where the unit is wrong."""
-
 import json
 from pathlib import Path
 
@@ -30,7 +28,7 @@ def plan(factor=1.0, **changes):
     return document
 
 
-def warnings_of(document) -> str:
+def warnings_of(document):
     return "\n".join(validate_house(house_of_plan(document, "h1")))
 
 

@@ -1,5 +1,3 @@
-"""Room names in the languages of agents tell the type."""
-
 import pytest
 
 from plan2scene.plans.room_names import has_bare_floor, is_garage, room_types

@@ -1,5 +1,3 @@
-"""scene.json with any axis up: arch@1.0.2 is z up, with regions for rooms."""
-
 import copy
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Guessed windows of plans that draw none."""
-
 import json
 from dataclasses import replace
 

@@ -1,5 +1,3 @@
-"""The pointer network: pairs of rooms, the mixture, and the same by every representation."""
-
 from dataclasses import replace
 
 import numpy as np
@@ -34,7 +32,7 @@ ROOM_0 = [
 ]
 
 
-def formula_network() -> PropagationNetwork:
+def formula_network():
     network = PropagationNetwork().eval()
     network.load_state_dict(formula_state(network))
     return network
@@ -50,7 +48,7 @@ def test_same_output_as_the_reference():
     assert abs(float(output.sum()) - -3.5751821994781494) < 1e-3
 
 
-def chain(rooms: int, observed: np.ndarray | None = None) -> HouseGraph:
+def chain(rooms, observed=None):
     """Return rooms in a row, a door between neighbours."""
     rng = np.random.default_rng(rooms)
     links = [(i, i + 1) for i in range(rooms - 1)]
@@ -61,7 +59,7 @@ def chain(rooms: int, observed: np.ndarray | None = None) -> HouseGraph:
     return HouseGraph(tuple(f"r{i}" for i in range(rooms)), types, edges.T, values, seen)
 
 
-def pointer(seed: int = 0) -> PointerNetwork:
+def pointer(seed=0):
     """Return a small network whose scores reach their bounds."""
     torch.manual_seed(seed)
     network = PointerNetwork(24, 2, 8).eval()

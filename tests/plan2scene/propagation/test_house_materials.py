@@ -1,5 +1,3 @@
-"""Surfaces of different rooms that are one material."""
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""What the house's own surfaces tell of unseen ones, and when the network is heard."""
-
 from dataclasses import replace
 
 import numpy as np
@@ -27,7 +25,7 @@ MEANS = TypeMeans(
 )
 
 
-def house(colours: np.ndarray, seen: np.ndarray) -> HouseGraph:
+def house(colours, seen):
     """Return rooms in a row whose surfaces have these colours, (5, 3) grey values."""
     values = np.zeros((ROOMS, 3, 11), np.float32)
     values[..., -3:] = colours[..., None]
@@ -38,27 +36,27 @@ def house(colours: np.ndarray, seen: np.ndarray) -> HouseGraph:
     return HouseGraph(names, types, both, values * seen[..., None], seen)
 
 
-def alike() -> HouseGraph:
+def alike():
     """Return a dim house whose grey ceilings agree; the last room shows nothing but its floor."""
     seen = np.ones((ROOMS, 3), bool)
     seen[-1, 1:] = False
     return house(np.tile([0.3, 0.5, 0.45], (ROOMS, 1)), seen)
 
 
-def shown(graph: HouseGraph) -> HouseColours:
+def shown(graph):
     """Return what the graph's surfaces tell."""
     return HouseColours.of_embeddings(graph.embeddings, graph.observed)
 
 
-def evidence(graph: HouseGraph) -> np.ndarray:
+def evidence(graph):
     return house_evidence(graph, MEANS, shown(graph))
 
 
-def share(graph: HouseGraph, value: float) -> float:
+def share(graph, value):
     return network_share(graph, stubborn(value), MEANS, shown(graph))
 
 
-def stubborn(value: float) -> PropagationNetwork:
+def stubborn(value):
     """Return a network that answers one value to everything."""
     network = PropagationNetwork().eval()
     with torch.no_grad():
@@ -111,7 +109,7 @@ def test_every_predictor_predicts_every_surface(name):
     assert ((found.embedding[..., -3:] >= 0) & (found.embedding[..., -3:] <= 1)).all()
 
 
-def floors(types: str, doors: str, shown: dict[int, float]) -> list[int]:
+def floors(types, doors, shown):
     """Return the kindred floor of each room; `shown` are grey values of observed floors."""
     names = {"L": "Reception", "B": "Bedroom", "K": "Kitchen", "W": "Bathroom", "C": "Closet"}
     names |= {"T": "Terrace", "H": "Corridor"}

@@ -1,5 +1,3 @@
-"""The propagation stage: a row for every surface of a house."""
-
 from pathlib import Path
 
 import numpy as np

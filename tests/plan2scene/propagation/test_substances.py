@@ -1,5 +1,3 @@
-"""What floors are of, by their crops and rooms."""
-
 import pandas as pd
 
 from plan2scene.house import House, Room

@@ -1,5 +1,3 @@
-"""Tiles brought to a crop's statistics have its colours and spectrum and still repeat."""
-
 import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter
@@ -10,7 +8,7 @@ from plan2scene.textures.decoding import match_statistics
 from plan2scene.textures.seams import wrap_ratio
 
 
-def material(substance: str, seed: int) -> np.ndarray:
+def material(substance, seed):
     """Return a (128, 128, 3) tile of a procedural material."""
     return random_material(substance, seed, size_px=128).albedo
 

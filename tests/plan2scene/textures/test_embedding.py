@@ -1,5 +1,3 @@
-"""Embedding of crops, decoding of surfaces, and the embeddings file of a house."""
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -34,11 +32,11 @@ def model():
     return TextureModel(Architecture(width=4)).eval()
 
 
-def crops(count: int) -> np.ndarray:
+def crops(count):
     return np.random.default_rng(0).integers(0, 256, (count, 128, 128, 3), dtype=np.uint8)
 
 
-def crop_table(images: np.ndarray) -> pd.DataFrame:
+def crop_table(images):
     """Two photos; the last crop shows two rooms."""
     ids = [f"floor/photo_0_crop{k}" for k in range(len(images))] + [
         f"floor/photo_0_crop{len(images) - 1}"
@@ -55,7 +53,7 @@ def crop_table(images: np.ndarray) -> pd.DataFrame:
     )
 
 
-def test_embedding_ends_in_the_median_colour(model) -> None:
+def test_embedding_ends_in_the_median_colour(model):
     images = crops(3)
     found = embed_crops(model, images)
     assert found.codes.shape == (3, 11)
@@ -66,7 +64,7 @@ def test_embedding_ends_in_the_median_colour(model) -> None:
     assert (found.textureness > 0).all()
 
 
-def test_threads_change_nothing(model) -> None:
+def test_threads_change_nothing(model):
     images = np.concatenate([crops(3)] * 12)
     one, two = embed_crops(model, images, seed=4), embed_crops(model, images, seed=4, threads=2)
     assert one.codes.tobytes() == two.codes.tobytes()
@@ -74,7 +72,7 @@ def test_threads_change_nothing(model) -> None:
     assert one.textureness.tobytes() == two.textureness.tobytes()
 
 
-def test_decoding_is_reproducible_and_depends_on_the_seed(model) -> None:
+def test_decoding_is_reproducible_and_depends_on_the_seed(model):
     codes = np.full((2, 11), 0.4, np.float32)
     first, second = decode_textures(model, codes, [1, 2], 32)
     assert first.shape == (32, 32, 3)
@@ -83,7 +81,7 @@ def test_decoding_is_reproducible_and_depends_on_the_seed(model) -> None:
     assert not np.array_equal(noise_seeds([1]), noise_seeds([2]))
 
 
-def test_embeddings_file(models, tmp_path) -> None:
+def test_embeddings_file(models, tmp_path):
     table = crop_table(crops(3))
     write_parquet(tmp_path / "crops.parquet", table, {"house": "h"})
     output = tmp_path / "embeddings.parquet"
@@ -102,7 +100,7 @@ def test_embeddings_file(models, tmp_path) -> None:
     assert again.read_bytes() == output.read_bytes()
 
 
-def test_house_without_crops(models, tmp_path) -> None:
+def test_house_without_crops(models, tmp_path):
     write_parquet(tmp_path / "crops.parquet", crop_table(crops(1)).iloc[:0], {"house": "h"})
     output = tmp_path / "embeddings.parquet"
     make_embeddings(tmp_path / "crops.parquet", output, *models, house="h", dataset="d", seed=0)

@@ -1,5 +1,3 @@
-"""Exemplar textures: light, pattern, cuts and tiles from photo-like crops of known tiles."""
-
 import numpy as np
 import pytest
 
@@ -42,7 +40,7 @@ def crops_of(tile, seed=0, **changes):
 
 
 @pytest.mark.parametrize(("columns", "rows", "bond"), [(5, 5, 0.0), (4, 8, 0.5)])
-def test_regular_patterns_are_cut_at_whole_periods(columns, rows, bond) -> None:
+def test_regular_patterns_are_cut_at_whole_periods(columns, rows, bond):
     tile = grid(columns, rows, bond=bond)
     made = make_exemplar(crops_of(tile), size_px=128)
     assert made is not None
@@ -55,7 +53,7 @@ def test_regular_patterns_are_cut_at_whole_periods(columns, rows, bond) -> None:
     assert away < 3.0
 
 
-def test_stripes_of_sun_on_few_crops_are_no_pattern_and_those_of_all_are_one() -> None:
+def test_stripes_of_sun_on_few_crops_are_no_pattern_and_those_of_all_are_one():
     carpet = np.random.default_rng(0).integers(60, 80, (128, 128, 3), dtype=np.uint8)
     sunny = carpet.copy()
     sunny[(np.arange(128) // 16) % 2 == 0] += 60
@@ -64,7 +62,7 @@ def test_stripes_of_sun_on_few_crops_are_no_pattern_and_those_of_all_are_one() -
     assert calm([plain, striped, striped]) == [plain, striped, striped]
 
 
-def test_poor_crops_make_no_exemplar() -> None:
+def test_poor_crops_make_no_exemplar():
     tile = grid(5, 5)
     assert make_exemplar([], size_px=128) is None
     assert make_exemplar([ExemplarCrop(tile, 1.0, 0.1)], size_px=128) is None
@@ -72,7 +70,7 @@ def test_poor_crops_make_no_exemplar() -> None:
     assert make_exemplar([ExemplarCrop(burned, 1.0, 1.0)], size_px=128) is None
 
 
-def test_one_crop_of_unknown_scale_is_enough() -> None:
+def test_one_crop_of_unknown_scale_is_enough():
     noise = np.random.default_rng(1).normal(128, 20, (128, 128, 3))
     ramp = np.linspace(-30, 30, 128)[:, None, None]
     image = np.clip(noise + ramp, 0, 255).astype(np.uint8)
@@ -83,7 +81,7 @@ def test_one_crop_of_unknown_scale_is_enough() -> None:
 
 
 @pytest.mark.parametrize("angle", [-20.0, 2.5, 31.0])
-def test_lattice_of_a_turned_grid(angle) -> None:
+def test_lattice_of_a_turned_grid(angle):
     view = window(grid(6, 4), np.array([0.3, 0.6]), 0.9, angle) / 255.0
     found = find_lattice(log_luma(view), np.zeros((128, 128), bool))
     assert found.clear
@@ -92,7 +90,7 @@ def test_lattice_of_a_turned_grid(angle) -> None:
     assert found.periods == pytest.approx((step / 6, step / 4), rel=0.02)
 
 
-def test_larger_tiles_show_more_metres_at_the_same_detail() -> None:
+def test_larger_tiles_show_more_metres_at_the_same_detail():
     tile = grid(5, 5)
     crops = crops_of(tile)
     small, large = (make_exemplar(crops, size_px=size) for size in (128, 256))

@@ -1,5 +1,3 @@
-"""Directions of crops: planks of photos taken in different directions run one way."""
-
 import cv2
 import numpy as np
 import pytest
@@ -9,7 +7,7 @@ from plan2scene.textures.exemplar.make import ExemplarCrop, make_exemplar
 from plan2scene.textures.exemplar.things import oddness
 
 
-def planks(seed: int, width: int = 32) -> np.ndarray:
+def planks(seed, width=32):
     """Planks along y, (128, 128, 3) uint8."""
     rng = np.random.default_rng(seed)
     fine = cv2.GaussianBlur(rng.normal(0, 1, (128, 128)), (0, 0), sigmaX=1.0, sigmaY=9.0)
@@ -18,14 +16,14 @@ def planks(seed: int, width: int = 32) -> np.ndarray:
     return np.clip(values, 0, 255).astype(np.uint8)
 
 
-def luma(image: np.ndarray) -> np.ndarray:
+def luma(image):
     return np.log(image.mean(axis=2) + 4.0)
 
 
 NOTHING = np.zeros((128, 128), bool)
 
 
-def test_an_exemplar_of_planks_seen_from_two_sides_runs_one_way() -> None:
+def test_an_exemplar_of_planks_seen_from_two_sides_runs_one_way():
     images = [planks(k) for k in range(5)] + [np.rot90(planks(k)) for k in (7, 9)]
     flat = np.stack(images) / 255.0
     masks = np.zeros(flat.shape[:3], bool)
@@ -38,7 +36,7 @@ def test_an_exemplar_of_planks_seen_from_two_sides_runs_one_way() -> None:
     assert grain(luma(made.image), NOTHING) < -0.3
 
 
-def plaster(seed: int, *, switch: bool = False) -> np.ndarray:
+def plaster(seed, *, switch=False):
     rng = np.random.default_rng(seed)
     values = np.full((128, 128, 3), 170.0) + rng.normal(0, 2, (128, 128, 1))
     if switch:
@@ -47,7 +45,7 @@ def plaster(seed: int, *, switch: bool = False) -> np.ndarray:
 
 
 @pytest.mark.parametrize(("shown", "odd"), [(3, True), (8, False)])
-def test_crops_that_show_a_switch_are_odd_unless_all_do(shown, odd) -> None:
+def test_crops_that_show_a_switch_are_odd_unless_all_do(shown, odd):
     images = [plaster(k, switch=k < shown) for k in range(8)]
     lumas = np.stack([luma(image) for image in images])
     found = oddness(lumas, np.zeros(lumas.shape, bool))

@@ -1,5 +1,3 @@
-"""Floors laid from units of a known size."""
-
 from dataclasses import replace
 
 import cv2
@@ -12,7 +10,7 @@ from plan2scene.textures.laying import LAYING, LaidPattern, laid, laid_tile, wit
 WHITE = np.full(3, 0.5)
 
 
-def pattern(direction: float, *, length: float = 0.5) -> LaidPattern:
+def pattern(direction, *, length=0.5):
     """Return a pattern of ten units of one tone each, with dark joints of 1 cm."""
     units = [np.full((50, 100, 3), 110 + 4 * k, np.uint8) for k in range(10)]
     return LaidPattern("planks", 0.25, length, direction, 0.5, np.full(3, 0.9), 0.01, units)

@@ -1,14 +1,8 @@
-"""The tileable library and retrieval from it."""
-
 import numpy as np
 
 from plan2scene.house import SUBSTANCES
 from plan2scene.images import write_png
-from plan2scene.textures.library import (
-    TextureLibrary,
-    read_library,
-    write_library,
-)
+from plan2scene.textures.library import TextureLibrary, read_library, write_library
 
 
 def _flat(*levels):

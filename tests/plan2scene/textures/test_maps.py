@@ -1,5 +1,3 @@
-"""Surface maps: no repetition, whole tiles, the tile's colour, what they cover, shared quilts."""
-
 from dataclasses import replace
 
 import numpy as np
@@ -68,7 +66,7 @@ def rug(floor):
     return replace(floor, pattern=replace(floor.pattern, crops=crops))
 
 
-def test_a_map_does_not_repeat_where_its_tile_does(floor) -> None:
+def test_a_map_does_not_repeat_where_its_tile_does(floor):
     detail = detail_of_pattern(floor.pattern, floor.size_m)
     image = quilt_of(detail, 3.0)
     assert image.shape == (round(3 * detail.px_per_m),) * 2 + (3,)
@@ -81,7 +79,7 @@ def test_a_map_does_not_repeat_where_its_tile_does(floor) -> None:
     np.testing.assert_array_equal(image, quilt_of(detail, 3.0))
 
 
-def test_slabs_stay_whole() -> None:
+def test_slabs_stay_whole():
     made = exemplar([slabs(k, shift=0.23 * k) for k in range(5)])
     detail = detail_of_pattern(made.pattern, made.size_m)
     period = 0.25 * detail.px_per_m
@@ -96,7 +94,7 @@ def test_slabs_stay_whole() -> None:
     assert np.sort(lines)[-9] > 0.8
 
 
-def test_maps_are_as_fine_as_the_photos_and_no_finer(floor) -> None:
+def test_maps_are_as_fine_as_the_photos_and_no_finer(floor):
     plain = detail_of_pattern(floor.pattern, floor.size_m)
     assert plain.resolved == pytest.approx(SIDE)
     fine = jpeg_bytes(carpet(9, 256), quality=95, full_colour=True)
@@ -109,7 +107,7 @@ def test_maps_are_as_fine_as_the_photos_and_no_finer(floor) -> None:
     assert coarse.px_per_m == pytest.approx(0.6 * SIDE)
 
 
-def test_maps_of_a_house_cover_its_faces_in_the_tiles_colours(rug, gap_house, tmp_path) -> None:
+def test_maps_of_a_house_cover_its_faces_in_the_tiles_colours(rug, gap_house, tmp_path):
     keys = gap_house.surface_keys()
     red = np.clip(rug.image * [1.3, 0.7, 0.7], 0, 255).astype(np.uint8)
     tiles = {key: tile_of(rug, red if key.room_id == "b" else None) for key in keys}
@@ -137,7 +135,7 @@ def test_maps_of_a_house_cover_its_faces_in_the_tiles_colours(rug, gap_house, tm
     assert house_maps(gap_house, tiles, {}, {}, {}, seed=2)[keys[0]].jpeg != maps[keys[0]].jpeg
 
 
-def test_a_regular_tile_repeats_so_that_its_joints_stay_whole(gap_house) -> None:
+def test_a_regular_tile_repeats_so_that_its_joints_stay_whole(gap_house):
     floor = SurfaceKey("a", "floor")
     image = carpet(0)
     image[:4], image[:, :4] = 20, 20
@@ -160,7 +158,7 @@ class _Known:
         self.key = key
 
 
-def test_a_material_runs_on_through_a_door(rug, gap_house) -> None:
+def test_a_material_runs_on_through_a_door(rug, gap_house):
     tiles = {key: tile_of(rug) for key in gap_house.surface_keys()}
     floors = [SurfaceKey("a", "floor"), SurfaceKey("b", "floor")]
     maps = house_maps(gap_house, tiles, dict.fromkeys(floors, "floor-1"), {}, {}, seed=0)

@@ -1,5 +1,3 @@
-"""Selection of the crop that stands for a surface."""
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -51,7 +49,7 @@ def select(files, hidden=()):
     return frame.set_index(["room_id", "surface"]), metadata
 
 
-def test_least_textureness_wins(files) -> None:
+def test_least_textureness_wins(files):
     frame, metadata = select(files)
     assert frame.index.tolist() == [("r1", "floor"), ("r1", "wall"), ("r2", "wall")]
     row = frame.loc[("r1", "floor")]
@@ -66,7 +64,7 @@ def test_least_textureness_wins(files) -> None:
     assert metadata["model"] == "m"
 
 
-def test_hidden_photos_do_not_count(files) -> None:
+def test_hidden_photos_do_not_count(files):
     frame, _ = select(files, hidden=["b.jpg"])
     assert frame.index.tolist() == [("r1", "floor")]
     row = frame.loc[("r1", "floor")]
@@ -75,13 +73,13 @@ def test_hidden_photos_do_not_count(files) -> None:
     assert row["naive_embedding"].tolist() == [0.5] * 8
 
 
-def test_all_photos_hidden_gives_an_empty_table(files) -> None:
+def test_all_photos_hidden_gives_an_empty_table(files):
     frame, _ = select(files, hidden=["a.jpg", "b.jpg"])
     assert len(frame) == 0
     assert {"crop_id", "embedding", "metres"} <= set(frame.columns)
 
 
-def test_embeddings_of_other_crops_are_refused(files, tmp_path) -> None:
+def test_embeddings_of_other_crops_are_refused(files, tmp_path):
     embeddings, crops, output = files
     table, _ = read_parquet(embeddings)
     write_parquet(embeddings, table.iloc[1:], {})
@@ -89,7 +87,7 @@ def test_embeddings_of_other_crops_are_refused(files, tmp_path) -> None:
         select_surfaces(embeddings, crops, (), output, house="h", dataset="d")
 
 
-def test_all_crops_that_are_not_burned_out_give_the_colour() -> None:
+def test_all_crops_that_are_not_burned_out_give_the_colour():
     codes = np.arange(44, dtype=np.float32).reshape(4, 11)
     scores, clipped = np.array([0.3, 0.1, 0.2, 0.05]), np.array([0.0, 0.1, 0.0, 0.9])
     index, embedding = surface_embedding(codes, scores, clipped)

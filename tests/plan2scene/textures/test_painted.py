@@ -1,5 +1,3 @@
-"""The house's textures have the colours of its paint."""
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -16,13 +14,7 @@ from plan2scene.paint.surfaces import (
     read_paint,
     write_paint,
 )
-from plan2scene.textures.painted import (
-    COLOURED,
-    OUTDOORS,
-    evidence_of,
-    paint_textures,
-    plain,
-)
+from plan2scene.textures.painted import COLOURED, OUTDOORS, evidence_of, paint_textures, plain
 
 
 def plane(photo, room_id, surface, colour):

@@ -1,5 +1,3 @@
-"""Seam correction on windows of procedural textures and on images that need none."""
-
 import cv2
 import numpy as np
 import pytest

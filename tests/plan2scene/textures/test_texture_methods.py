@@ -1,5 +1,3 @@
-"""Baselines and the texture stage on a small house, and the metrics of what it makes."""
-
 import json
 import shutil
 from dataclasses import replace
@@ -33,9 +31,7 @@ DECODED = ("naivesynth", "synth", "synth-large", "exemplar")
 
 
 PLAN = House(
-    "h1",
-    rooms_in_a_row(bed1="Bedroom", bed2="Bedroom", hall="Corridor", bath="Bathroom"),
-    (),
+    "h1", rooms_in_a_row(bed1="Bedroom", bed2="Bedroom", hall="Corridor", bath="Bathroom"), ()
 )
 
 

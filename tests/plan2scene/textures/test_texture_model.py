@@ -1,5 +1,3 @@
-"""The texture model against the reference implementation, and what our variant adds."""
-
 import numpy as np
 import pytest
 import torch
@@ -8,12 +6,12 @@ from plan2scene.textures.model.texture_model import Architecture, TextureModel
 
 
 @pytest.fixture(scope="module")
-def small() -> TextureModel:
+def small():
     torch.manual_seed(0)
     return TextureModel(Architecture(width=8)).eval()
 
 
-def test_state_dict_fits_released_checkpoints() -> None:
+def test_state_dict_fits_released_checkpoints():
     with torch.device("meta"):
         state = TextureModel(Architecture(periodic=False)).state_dict()
     shapes = {name: tuple(value.shape) for name, value in state.items()}
@@ -29,7 +27,7 @@ def test_state_dict_fits_released_checkpoints() -> None:
     assert shapes["substance_layer.weight"] == (4, 8)
 
 
-def test_decoded_tile_has_no_seam(small: TextureModel) -> None:
+def test_decoded_tile_has_no_seam(small):
     code = torch.randn(2, 11, generator=torch.Generator().manual_seed(1))
     code[:, 8:] = 0.5
     seeds = torch.rand(2, 8, 3, generator=torch.Generator().manual_seed(2))
@@ -42,14 +40,14 @@ def test_decoded_tile_has_no_seam(small: TextureModel) -> None:
         assert across < 1.25 * inside
 
 
-def test_more_pixels_draw_the_same_tile(small: TextureModel) -> None:
+def test_more_pixels_draw_the_same_tile(small):
     code, seeds = torch.full((1, 11), 0.4), torch.full((1, 8, 3), 0.3)
     with torch.no_grad():
         coarse, fine = small.decode(code, seeds, 64), small.decode(code, seeds, 128)
     np.testing.assert_allclose(fine[:, :, ::2, ::2], coarse, atol=1e-4)
 
 
-def test_colour_of_the_texture_is_the_embedding_s(small: TextureModel) -> None:
+def test_colour_of_the_texture_is_the_embedding_s(small):
     rgb = torch.rand(1, 3, 128, 128) * 0.1 + torch.tensor([0.8, 0.4, 0.2]).view(1, 3, 1, 1)
     with torch.no_grad():
         embedding = small.encode(rgb).embedding

@@ -1,5 +1,3 @@
-"""Things on plain surfaces: outlets and switches go, patterns stay."""
-
 import cv2
 import numpy as np
 
@@ -11,14 +9,14 @@ SIZE = 128
 NOTHING = np.zeros((1, SIZE, SIZE), bool)
 
 
-def plaster(seed: int) -> np.ndarray:
+def plaster(seed):
     """Noise as of plaster, (128, 128, 3) uint8."""
     rng = np.random.default_rng(seed)
     grain = cv2.GaussianBlur(rng.normal(0, 1, (SIZE, SIZE)), (0, 0), 2.0)
     return np.clip(190 + 12 * grain[..., None] * np.ones(3), 0, 255).astype(np.uint8)
 
 
-def with_switch(image: np.ndarray, corner: tuple[int, int] = (40, 50)) -> np.ndarray:
+def with_switch(image, corner=(40, 50)):
     """A plate with a dark rim and a toggle on it, 14 x 20 px."""
     shown = image.copy()
     row, column = corner
@@ -27,18 +25,18 @@ def with_switch(image: np.ndarray, corner: tuple[int, int] = (40, 50)) -> np.nda
     return shown
 
 
-def found(image: np.ndarray) -> np.ndarray:
+def found(image):
     return things(log_luma(image[None] / 255.0), NOTHING)[0]
 
 
-def test_a_switch_is_found_and_little_else() -> None:
+def test_a_switch_is_found_and_little_else():
     mask = found(with_switch(plaster(0)))
     assert mask[40:61, 50:65].all()
     assert mask.mean() < 0.08
     assert not found(plaster(0)).any()
 
 
-def test_a_plain_surface_of_which_all_crops_show_a_switch_is_tiled_without_it() -> None:
+def test_a_plain_surface_of_which_all_crops_show_a_switch_is_tiled_without_it():
     crops = [ExemplarCrop(with_switch(plaster(k), (30 + 5 * k, 40)), 0.8, 1.0) for k in range(4)]
     kept = make_exemplar(crops, size_px=SIZE)
     plain = make_exemplar(crops, size_px=SIZE, plain=True)

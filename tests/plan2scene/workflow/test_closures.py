@@ -1,5 +1,3 @@
-"""What each rule depends on: a change of one module makes again what it can change, no more."""
-
 from importlib.metadata import entry_points
 
 import pytest

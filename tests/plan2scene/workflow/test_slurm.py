@@ -1,5 +1,3 @@
-"""Clusters on which the end of a job would be missed are told before anything is submitted."""
-
 import pytest
 
 from plan2scene.errors import InputError

@@ -1,5 +1,3 @@
-"""One browser for a file of tests, and an empty editor in it."""
-
 import pytest
 from browser import Drawing, chromium
 

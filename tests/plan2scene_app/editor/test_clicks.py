@@ -1,5 +1,3 @@
-"""The editor by clicks and keys: what is drawn is the plan.json that the reader reads."""
-
 import json
 
 import numpy as np

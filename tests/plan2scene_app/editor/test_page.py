@@ -1,5 +1,3 @@
-"""The page as a file: nothing asks for anything outside, names are text, any plan opens."""
-
 import base64
 import hashlib
 import io

@@ -1,5 +1,3 @@
-"""The page and the reader of plan.json come to the same verdicts on good and bad plans."""
-
 import copy
 import json
 from pathlib import Path

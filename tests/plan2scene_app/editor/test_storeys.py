@@ -1,5 +1,3 @@
-"""Floors in the editor by clicks: added, copied, joined by stairs, saved and opened again."""
-
 import json
 from pathlib import Path
 

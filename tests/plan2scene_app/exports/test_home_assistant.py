@@ -1,5 +1,3 @@
-"""The pack for Home Assistant: what its card is told of is in the model, in its units."""
-
 import numpy as np
 import trimesh
 import yaml

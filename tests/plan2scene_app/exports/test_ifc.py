@@ -1,5 +1,3 @@
-"""IFC: read back by ifcopenshell."""
-
 import numpy as np
 import pytest
 import shapely

@@ -1,5 +1,3 @@
-"""The MJCF in MuJoCo: balls rest on floors, capsules stay inside and pass open doors."""
-
 import xml.etree.ElementTree as ET
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""The occupancy map: what is free, walled and unknown."""
-
 import numpy as np
 import pytest
 from scipy import ndimage

@@ -1,5 +1,3 @@
-"""The plan to print: net areas, doors and dimensions, the same bytes each time."""
-
 from pathlib import Path
 
 from plan2scene.plans.formats import read_plan

@@ -1,5 +1,3 @@
-"""Exports by name, from the files of a house."""
-
 import json
 import sys
 

@@ -1,5 +1,3 @@
-"""The simulator pack: files that belong together."""
-
 import numpy as np
 import pytest
 import trimesh

@@ -1,5 +1,3 @@
-"""Bodies of a house: closed, convex, where the plan has them."""
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Several storeys in other programs' forms: all of them have both levels."""
-
 import numpy as np
 import pytest
 import trimesh

@@ -1,5 +1,3 @@
-"""USD: read back by usd-core, and clean by its validators."""
-
 import numpy as np
 import pytest
 

@@ -1,5 +1,3 @@
-"""Baked light, house_lit.glb, and pictures of rooms under baked light."""
-
 import io
 import sys
 from dataclasses import replace

@@ -1,10 +1,5 @@
-"""Contact sheet of a house: rows, counts, colours, and places that agree with the poses."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -42,14 +37,14 @@ CAMERA = camera_looking(SIZE, focal=256.0)
 HOUSE = House("h1", rooms_in_a_row(r1="Bedroom"), ())
 
 
-def room_labels() -> np.ndarray:
+def room_labels():
     labels = np.full(SIZE, WALL, np.uint8)
     labels[170:] = FLOOR
     labels[:60] = CEILING
     return labels
 
 
-def candidate(photo: str, surface: str, index: int, reason: str, crop_id: str) -> dict[str, Any]:
+def candidate(photo, surface, index, reason, crop_id):
     top, left = {"floor": 190, "wall": 90, "ceiling": 10}[surface], 20 + 24 * index
     corners = [left, top, left + 30, top, left + 30, top + 30, left, top + 30]
     return {
@@ -66,7 +61,7 @@ def candidate(photo: str, surface: str, index: int, reason: str, crop_id: str) -
 
 
 @pytest.fixture
-def case(tmp_path: Path) -> dict[str, Any]:
+def case(tmp_path):
     """One good photo (2 selected, 1 last resort, 3 rejected), a broken and a tiny one."""
     photos, masks = tmp_path / "photos", tmp_path / "masks"
     photos.mkdir()
@@ -110,12 +105,12 @@ def case(tmp_path: Path) -> dict[str, Any]:
     }
 
 
-def sheet_of(case: dict[str, Any]) -> np.ndarray:
+def sheet_of(case):
     with Image.open(case["output"]) as image:
         return np.asarray(image.convert("RGB"))
 
 
-def frames(sheet: np.ndarray, row: int) -> list[tuple[int, ...]]:
+def frames(sheet, row):
     """Return the frame's colour of each crop cell of a row, in order."""
     top = HEADER + row * ROW + TITLE + 2
     left = GAP + PANELS * (PANEL[1] + GAP)
@@ -126,9 +121,7 @@ def frames(sheet: np.ndarray, row: int) -> list[tuple[int, ...]]:
     return [tuple(int(v) for v in cell) for cell in cells]
 
 
-def test_each_photo_has_a_row_of_framed_windows_or_says_why_it_was_left_out(
-    case: dict[str, Any],
-) -> None:
+def test_each_photo_has_a_row_of_framed_windows_or_says_why_it_was_left_out(case):
     counts = write_contact_sheet(**case)
     sheet = sheet_of(case)
     assert counts == {"photos": 4, "selected": 2, "last_resort": 1, "rejected": 3}
@@ -143,13 +136,13 @@ def test_each_photo_has_a_row_of_framed_windows_or_says_why_it_was_left_out(
         assert (np.abs(part.astype(int) - REJECTED).sum(axis=2) < 60).sum() > 100
 
 
-def test_many_photos_make_a_bounded_sheet(case: dict[str, Any]) -> None:
+def test_many_photos_make_a_bounded_sheet(case):
     case["photos"] = {f"p{k:03}.jpg": Path("none") / f"p{k:03}.jpg" for k in range(400)}
     assert write_contact_sheet(**case)["photos"] == MAX_PHOTOS
     assert sheet_of(case).shape[0] == HEADER + MAX_PHOTOS * ROW
 
 
-def test_no_photos_and_ready_crops(case: dict[str, Any]) -> None:
+def test_no_photos_and_ready_crops(case):
     frame = pd.read_parquet(case["files"].candidates)
     frame["corners"] = [[float("nan")] * 8] * len(frame)
     write_parquet(case["files"].candidates, frame, {})

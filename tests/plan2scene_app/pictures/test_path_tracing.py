@@ -1,5 +1,3 @@
-"""Rooms by path tracing: light where lamp and window are, surfaces in their colours, same bytes."""
-
 from dataclasses import replace
 
 import numpy as np

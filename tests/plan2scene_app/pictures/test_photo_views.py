@@ -1,5 +1,3 @@
-"""views.jpg: a located photo beside the house from its place."""
-
 import numpy as np
 
 from plan2scene.images import write_png

@@ -1,5 +1,3 @@
-"""The renderer against formulas, and previews of small houses."""
-
 import numpy as np
 
 from plan2scene.house import SurfaceKey

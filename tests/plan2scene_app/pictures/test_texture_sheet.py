@@ -1,5 +1,3 @@
-"""The texture sheet: rows in order, references, COLOR below tiles, ranking."""
-
 import json
 
 import numpy as np

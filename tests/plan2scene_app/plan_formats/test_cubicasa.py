@@ -1,5 +1,3 @@
-"""SVG plans in CubiCasa's classes: round trip, scales, storeys, faults."""
-
 import pytest
 from plan_drawing import FLATS, assert_found, drawn_flat, refusal
 from shapely.geometry import LineString

@@ -1,5 +1,3 @@
-"""DXF: rooms as outlines, walls as bodies, axes and pairs of faces; units, layers, faults."""
-
 import time
 from itertools import pairwise
 from math import atan2, cos, degrees, radians, sin

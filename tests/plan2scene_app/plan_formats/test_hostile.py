@@ -1,5 +1,3 @@
-"""Small plans that would take hours and gigabytes are read, or refused in one line, in seconds."""
-
 import math
 import random
 import re

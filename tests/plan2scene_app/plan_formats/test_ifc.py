@@ -1,5 +1,3 @@
-"""IFC: a model of ours is read back, storeys, models without spaces, faults."""
-
 from dataclasses import replace
 from pathlib import Path
 

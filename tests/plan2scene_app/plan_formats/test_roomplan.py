@@ -1,5 +1,3 @@
-"""RoomPlan JSON: a structure of rooms and one room alone, storeys, faults."""
-
 import json
 from itertools import pairwise
 

@@ -1,5 +1,3 @@
-"""Sweet Home 3D: what is written is read back, levels, old and damaged files."""
-
 import zipfile
 from itertools import pairwise
 from math import atan2, pi

@@ -1,5 +1,3 @@
-"""Layouts as in zind_data.json: the cleaned plan, panoramas alone, floors, faults."""
-
 import json
 
 import numpy as np

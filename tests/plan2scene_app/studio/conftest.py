@@ -1,9 +1,6 @@
-"""A running studio, asked as a browser asks it."""
-
 import contextlib
 import socket
 import threading
-from pathlib import Path
 
 import pytest
 from browser import Drawing, chromium
@@ -13,7 +10,7 @@ from studio_client import TOKEN, StudioClient
 class Studio(StudioClient):
     """A server in a thread and the folder of its homes."""
 
-    def __init__(self, root: Path):
+    def __init__(self, root):
         from plan2scene_app.studio.app import studio_app
         from plan2scene_app.studio.server import http_server
 

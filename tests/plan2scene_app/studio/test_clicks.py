@@ -1,5 +1,3 @@
-"""The studio by clicks: from an empty home to a GLB, a photo moved, two tabs."""
-
 import json
 import sys
 import time

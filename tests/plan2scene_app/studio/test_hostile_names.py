@@ -1,5 +1,3 @@
-"""Every page shows hostile names as text: no script runs, nothing is asked of another place."""
-
 import csv
 import json
 

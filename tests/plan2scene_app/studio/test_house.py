@@ -1,5 +1,3 @@
-"""The studio by clicks with the real workflow: what is drawn, or traced, is in the GLB."""
-
 import numpy as np
 import pytest
 import trimesh

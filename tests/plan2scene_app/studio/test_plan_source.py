@@ -1,5 +1,3 @@
-"""Plans that tell no scale or odd layers: what is asked, what may be given, what is kept."""
-
 import json
 import math
 import os

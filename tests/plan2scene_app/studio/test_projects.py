@@ -1,5 +1,3 @@
-"""Projects are folders that other programs read and change; nothing is lost or overwritten."""
-
 import io
 import json
 import sys

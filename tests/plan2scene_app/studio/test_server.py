@@ -1,5 +1,3 @@
-"""Who is let in, what is refused: tokens, hosts, origins, sizes, paths."""
-
 import io
 import json
 import socket

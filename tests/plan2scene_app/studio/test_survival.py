@@ -1,5 +1,3 @@
-"""A killed server and a killed job: what was saved is there, and a run goes on."""
-
 import http.client
 import json
 import subprocess

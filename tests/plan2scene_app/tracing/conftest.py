@@ -1,5 +1,3 @@
-"""A drawn two-room flat: its labels as a perfect network would give them."""
-
 import numpy as np
 import pytest
 
@@ -12,7 +10,7 @@ BEDROOM, KITCHEN = 7, 8
 FLOORS = {BEDROOM: (1.1, 1.1, 5.0, 4.0), KITCHEN: (5.1, 1.1, 8.0, 4.0)}
 
 
-def flat_labels() -> np.ndarray:
+def flat_labels():
     """Return labels (150, 270) of two rooms side by side with two doors and a window."""
     labels = np.zeros((150, 270), np.uint8)
 
@@ -29,7 +27,7 @@ def flat_labels() -> np.ndarray:
     return labels
 
 
-def solid_page(labels: np.ndarray) -> np.ndarray:
+def solid_page(labels):
     """Return a page (h, w, 3) whose walls are solid and everything else is blank."""
     page = np.full((*labels.shape, 3), 255, np.uint8)
     page[labels == WALL] = 0
@@ -41,7 +39,7 @@ def line(text, x=0.0, y=0.0, size=(60.0, 12.0)):
     return TextLine(text, (x, y), size, 0.99)
 
 
-def as_probabilities(labels: np.ndarray, sure: float = 0.9) -> np.ndarray:
+def as_probabilities(labels, sure=0.9):
     """Return labels as probabilities (labels, h, w) float32."""
     count = len(PLAN_LABELS)
     found = np.full((count, *labels.shape), (1 - sure) / (count - 1), np.float32)

@@ -1,5 +1,3 @@
-"""Several drawings on one picture, and rooms that a name alone tells of."""
-
 import cv2
 import numpy as np
 import pytest

@@ -1,5 +1,3 @@
-"""Stairs of plan pictures: ladders of treads, and the flight that they make between two storeys."""
-
 import numpy as np
 import pytest
 from shapely.geometry import box

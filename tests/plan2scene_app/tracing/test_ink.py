@@ -1,5 +1,3 @@
-"""Doors that the network takes for windows or walls: an arc or a gap in a solid wall tells."""
-
 from dataclasses import replace
 
 import cv2

@@ -1,5 +1,3 @@
-"""Openings end with the walls of both their rooms."""
-
 import pytest
 from shapely.geometry import box
 

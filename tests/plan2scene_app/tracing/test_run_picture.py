@@ -1,5 +1,3 @@
-"""A picture as the plan of ``plan2scene run``."""
-
 from dataclasses import replace
 
 import numpy as np

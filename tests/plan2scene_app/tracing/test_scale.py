@@ -1,5 +1,3 @@
-"""Measures as plans write them, and the scale that they, doors and rooms agree on."""
-
 import pytest
 
 from plan2scene_app.plan_formats.measures import (
@@ -8,12 +6,7 @@ from plan2scene_app.plan_formats.measures import (
     read_sides,
     without_measures,
 )
-from plan2scene_app.tracing.scale import (
-    RoomSize,
-    chain_evidence,
-    find_scale,
-    room_evidence,
-)
+from plan2scene_app.tracing.scale import RoomSize, chain_evidence, find_scale, room_evidence
 from plan2scene_app.tracing.settings import SETTINGS
 
 from .conftest import line

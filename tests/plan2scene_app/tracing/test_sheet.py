@@ -1,5 +1,3 @@
-"""Sheets of paper in photos, windows in screenshots, and pictures without either."""
-
 import json
 
 import cv2

@@ -1,5 +1,3 @@
-"""A picture becomes a plan: the shipped network, the texts, what is written, what is refused."""
-
 import json
 from contextlib import nullcontext
 from dataclasses import replace

@@ -1,5 +1,3 @@
-"""From labels of pixels to rooms and openings."""
-
 from dataclasses import replace
 
 import cv2
@@ -133,10 +131,7 @@ def test_a_name_is_no_word_of_appliances_and_joins_the_rooms_of_an_open_one(prob
 
 def test_rooms_are_named_by_text_else_by_furniture(probabilities):
     regions, polygons = traced(probabilities)
-    lines = [
-        line("Chambre 1", 3.0 * PPM, 2.0 * PPM),
-        line("11.31 m²", 3.0 * PPM, 2.4 * PPM),
-    ]
+    lines = [line("Chambre 1", 3.0 * PPM, 2.0 * PPM), line("11.31 m²", 3.0 * PPM, 2.4 * PPM)]
     named, other = sorted(
         describe_rooms(regions, polygons, probabilities, lines), key=lambda r: not r.named
     )

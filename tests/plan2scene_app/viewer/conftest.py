@@ -1,5 +1,3 @@
-"""A room with strong colours and its viewer."""
-
 import numpy as np
 import pytest
 

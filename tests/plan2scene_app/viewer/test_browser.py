@@ -1,5 +1,3 @@
-"""The viewer in a headless browser: pixels, clicks, keys, walking, no request."""
-
 import math
 from dataclasses import replace
 

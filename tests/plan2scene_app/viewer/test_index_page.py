@@ -1,5 +1,3 @@
-"""The index page: links that lead somewhere, figures of the table, escaping."""
-
 import re
 from urllib.parse import unquote
 

@@ -1,5 +1,3 @@
-"""The viewer of the two-storey example: chosen floors, and up the stairs on foot."""
-
 from pathlib import Path
 
 import pytest

@@ -1,5 +1,3 @@
-"""The viewer's file: self-contained, escaped, with the GLB and the facts of its surfaces in it."""
-
 import base64
 import gzip
 import hashlib

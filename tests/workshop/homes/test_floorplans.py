@@ -1,5 +1,3 @@
-"""Random apartments: a partition, reachable rooms, openings cut into both rooms' walls."""
-
 from collections import defaultdict
 from itertools import pairwise
 
@@ -8,14 +6,13 @@ import numpy as np
 import pytest
 import shapely
 
-from plan2scene.house import House
 from plan2scene.plans.validate import validate_house
 from plan2scene_workshop.homes.floorplans import generate_house
 
 HOUSES = [generate_house(f"house_{k}", 3) for k in range(40)]
 
 
-def opening_segments(house: House) -> dict[str, list[tuple[float, ...]]]:
+def opening_segments(house):
     """Return the world end points of each opening, once per wall that has it."""
     segments = defaultdict(list)
     for wall in house.walls:
@@ -28,7 +25,7 @@ def opening_segments(house: House) -> dict[str, list[tuple[float, ...]]]:
 
 
 @pytest.mark.parametrize("house", HOUSES, ids=lambda h: h.id)
-def test_plan_is_valid_and_every_room_is_reachable(house: House) -> None:
+def test_plan_is_valid_and_every_room_is_reachable(house):
     assert validate_house(house) == []
     assert 4 <= len(house.rooms) <= 10
     assert all(2.3 <= room.height <= 3.0 for room in house.rooms)
@@ -46,7 +43,7 @@ def test_plan_is_valid_and_every_room_is_reachable(house: House) -> None:
 
 
 @pytest.mark.parametrize("house", HOUSES, ids=lambda h: h.id)
-def test_openings_are_in_the_walls_of_their_rooms(house: House) -> None:
+def test_openings_are_in_the_walls_of_their_rooms(house):
     """A door between rooms is in two walls at the same place, an outer opening in one."""
     assert sum(door.room_b is None for door in house.doors) == 1
     outer = {door.opening_id for door in house.doors if door.room_b is None}
@@ -65,6 +62,6 @@ def test_openings_are_in_the_walls_of_their_rooms(house: House) -> None:
         assert all(a.end <= b.start for a, b in pairwise(ordered))
 
 
-def test_same_seed_same_house() -> None:
+def test_same_seed_same_house():
     assert generate_house("house_7", 3) == HOUSES[7]
     assert generate_house("house_7", 4) != HOUSES[7]

@@ -1,8 +1,5 @@
-"""Synthetic data sets: files, schemas and reproducibility (photos are faked: no renderer here)."""
-
 import hashlib
 import json
-from collections.abc import Iterator
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
@@ -12,7 +9,6 @@ import pytest
 
 from plan2scene.datasets.drops import read_unobserved
 from plan2scene.datasets.house_table import read_table
-from plan2scene.house import House
 from plan2scene.images import read_image
 from plan2scene.io import read_json
 from plan2scene.photos.labels.palette import read_label_png
@@ -26,7 +22,7 @@ from plan2scene_workshop.rendering import RenderedPhoto
 OPTIONS = residences.ResidenceOptions(height=24, width=32, tile_px=32)
 
 
-def fake_render(house, materials, accents, views, seed, *, height, width, **_) -> Iterator:
+def fake_render(house, materials, accents, views, seed, *, height, width, **_):
     assert set(materials) == set(house.surface_keys())
     for view in views:
         rng = generator(seed, view.seed)
@@ -38,7 +34,7 @@ def fake_render(house, materials, accents, views, seed, *, height, width, **_) -
 
 
 @pytest.fixture(autouse=True, scope="module")
-def _small_and_unrendered() -> Iterator[None]:
+def _small_and_unrendered():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(residences, "render_house", fake_render)
         patch.setattr(residences, "assign_materials", partial(assign_materials, size_px=32))
@@ -46,13 +42,13 @@ def _small_and_unrendered() -> Iterator[None]:
 
 
 @pytest.fixture(scope="module")
-def written(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, House]:
+def written(tmp_path_factory):
     """A data set with one house, and the house."""
     root = tmp_path_factory.mktemp("residence")
     return root, residences.write_residence(root, "home_1", "val", 3, options=OPTIONS)
 
 
-def digest(folder: Path) -> dict[str, str]:
+def digest(folder):
     """Return the hash of every file under a folder."""
     return {
         str(file.relative_to(folder)): hashlib.sha256(file.read_bytes()).hexdigest()
@@ -61,7 +57,7 @@ def digest(folder: Path) -> dict[str, str]:
     }
 
 
-def test_a_house_has_plan_photos_and_truth(written: tuple[Path, House]) -> None:
+def test_a_house_has_plan_photos_and_truth(written):
     root, house = written
     again = read_scene_json(root / "archs_no_objects/val/home_1.scene.json", "home_1")
     assert validate_house(again) == []
@@ -88,16 +84,14 @@ def test_a_house_has_plan_photos_and_truth(written: tuple[Path, House]) -> None:
         assert materials[f"{key.room_id}/{key.surface}"]["size_m"] > 0.1
 
 
-def test_same_seed_same_bytes_and_stale_photos_go(
-    written: tuple[Path, House], tmp_path: Path
-) -> None:
+def test_same_seed_same_bytes_and_stale_photos_go(written, tmp_path):
     (tmp_path / "photos").mkdir()
     (tmp_path / "photos/home_1_77.jpg").write_bytes(b"old")
     residences.write_residence(tmp_path, "home_1", "val", 3, options=OPTIONS)
     assert digest(tmp_path) == digest(written[0])
 
 
-def test_index_lists_houses_and_hides_nested_shares(tmp_path: Path) -> None:
+def test_index_lists_houses_and_hides_nested_shares(tmp_path):
     root = tmp_path
     names = residences.residence_names("home", {"train": 1, "val": 1, "test": 0})
     assert names == {"home_train_000": "train", "home_val_000": "val"}

@@ -1,7 +1,3 @@
-"""Training photos on disk: files, schemas, splits (photos are faked: no renderer here)."""
-
-from __future__ import annotations
-
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -40,9 +36,7 @@ def fake_shots(house, room_id, *_, long_side, amodal, **__):
 
 
 @pytest.mark.parametrize("targets", [True, False])
-def test_a_house_of_snapshots_is_a_data_set(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, targets: bool
-) -> None:
+def test_a_house_of_snapshots_is_a_data_set(tmp_path, monkeypatch, targets):
     monkeypatch.setattr(snapshots, "shoot_room", fake_shots)
     monkeypatch.setattr(snapshots, "load_mitsuba", lambda variant: None)
     small = partial(assign_materials, size_px=32)

@@ -1,9 +1,3 @@
-"""Models of a folder made here: read, held out, thinned, refused."""
-
-from __future__ import annotations
-
-from pathlib import Path
-
 import numpy as np
 import pytest
 from model_folder import HEADER, model_folder
@@ -12,7 +6,7 @@ from plan2scene.errors import InputError
 from plan2scene_workshop.rendering.models import ModelShop, load_model, read_model_index
 
 
-def test_a_piece_has_the_models_size_and_stands_with_its_back_at_zero(tmp_path: Path) -> None:
+def test_a_piece_has_the_models_size_and_stands_with_its_back_at_zero(tmp_path):
     shop = ModelShop(read_model_index(model_folder(tmp_path), train=True))
     piece = shop.piece(np.random.default_rng(0), "table")
     assert piece is not None
@@ -36,13 +30,13 @@ def test_a_piece_has_the_models_size_and_stands_with_its_back_at_zero(tmp_path: 
         ("../m0.glb,chair,1,0.5,0.8,floor\n", "plain file name"),
     ],
 )
-def test_bad_rows_are_one_line(tmp_path: Path, row: str, expected: str) -> None:
+def test_bad_rows_are_one_line(tmp_path, row, expected):
     (tmp_path / "index.csv").write_text(HEADER + row)
     with pytest.raises(InputError, match=expected):
         read_model_index(tmp_path, train=True)
 
 
-def test_files_that_are_no_models_are_refused(tmp_path: Path) -> None:
+def test_files_that_are_no_models_are_refused(tmp_path):
     for name, content in (("a.glb", b"no model"), ("b.glb", b"glTF\x02\x00\x00\x00")):
         (tmp_path / name).write_bytes(content)
         with pytest.raises(InputError, match="GLB model"):

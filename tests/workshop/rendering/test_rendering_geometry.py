@@ -1,7 +1,3 @@
-"""Shell, furniture, views and development: everything that needs no Mitsuba."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import shapely
@@ -14,7 +10,7 @@ from plan2scene_workshop.rendering.palette import draw_palette
 from plan2scene_workshop.rendering.shell import wall_faces
 
 
-def test_views_stand_in_the_room_and_keep_their_ranges() -> None:
+def test_views_stand_in_the_room_and_keep_their_ranges():
     house = reception_and_bedroom()
     views = plan_views(house, ["a", "b"], 7, 3)
     assert len(views) == 7 and {view.room_id for view in views} == {"a", "b"}
@@ -34,7 +30,7 @@ def test_views_stand_in_the_room_and_keep_their_ranges() -> None:
 
 
 @pytest.mark.parametrize("seed", range(2))
-def test_furniture_stays_inside_and_clear_of_the_camera(seed: int) -> None:
+def test_furniture_stays_inside_and_clear_of_the_camera(seed):
     """Of a listing's room and (odd seeds) of a randomised one."""
     house = reception_and_bedroom()
     room = house.room("a")

@@ -1,20 +1,13 @@
-"""Tiny photos by the path tracer: truth against geometry, determinism, textures."""
-
-from __future__ import annotations
-
-from collections.abc import Iterator
-from pathlib import Path
-
 import numpy as np
 import pytest
 from model_folder import model_folder
 from sample_houses import reception_and_bedroom
 
 from plan2scene.errors import InputError
-from plan2scene.house import House, SurfaceKey
+from plan2scene.house import SurfaceKey
 from plan2scene.materials import Material
-from plan2scene_workshop.rendering import RenderedPhoto, plan_views, render_house
-from plan2scene_workshop.rendering.decor import Decor, listing_decor
+from plan2scene_workshop.rendering import plan_views, render_house
+from plan2scene_workshop.rendering.decor import listing_decor
 from plan2scene_workshop.rendering.furniture import CAMERA_CLEARANCE
 from plan2scene_workshop.rendering.models import read_model_index
 from plan2scene_workshop.rendering.scene import build_room_scene
@@ -28,12 +21,12 @@ VARIANT = "scalar_rgb"
 SIZE = (27, 36)
 
 
-def _material(name: str, colour: tuple[int, int, int], size: float = 1.0) -> Material:
+def _material(name, colour, size=1.0):
     albedo = np.full((16, 16, 3), colour, np.uint8)
     return Material(name, "plaster", "paint", albedo, size, 1.0)
 
 
-def _materials() -> dict[SurfaceKey, Material]:
+def _materials():
     colours = {"floor": (150, 90, 50), "wall": (200, 200, 190), "ceiling": (235, 235, 235)}
     return {
         SurfaceKey(room, surface): _material(surface, colour)
@@ -43,13 +36,13 @@ def _materials() -> dict[SurfaceKey, Material]:
 
 
 @pytest.fixture(scope="module")
-def photos() -> list[RenderedPhoto]:
+def photos():
     house = reception_and_bedroom()
     views = plan_views(house, ["a", "b"], 3, 11)
     return list(_render(house, views))
 
 
-def _render(house: House, views, decor: Decor | None = None) -> Iterator[RenderedPhoto]:
+def _render(house, views, decor=None):
     return iter(
         render_house(
             house,
@@ -66,7 +59,7 @@ def _render(house: House, views, decor: Decor | None = None) -> Iterator[Rendere
     )
 
 
-def test_photos_are_bright_and_see_every_surface(photos: list[RenderedPhoto]) -> None:
+def test_photos_are_bright_and_see_every_surface(photos):
     seen: set[int] = set()
     for photo in photos:
         assert photo.image.shape == (*SIZE, 3) and photo.image.dtype == np.uint8
@@ -78,7 +71,7 @@ def test_photos_are_bright_and_see_every_surface(photos: list[RenderedPhoto]) ->
     assert seen == {0, 1, 2, 3}
 
 
-def test_unprojected_pixels_lie_on_their_planes() -> None:
+def test_unprojected_pixels_lie_on_their_planes():
     house = reception_and_bedroom()
     view = plan_views(house, ["a"], 1, 11)[0]
     scene = build_room_scene(house, "a", _materials(), {}, [view], 5)
@@ -99,7 +92,7 @@ def test_unprojected_pixels_lie_on_their_planes() -> None:
     assert np.abs(pixel - np.stack([columns, rows], 1)).max() < 0.01
 
 
-def test_same_seed_same_bytes(photos: list[RenderedPhoto]) -> None:
+def test_same_seed_same_bytes(photos):
     house = reception_and_bedroom()
     views = [photo.view for photo in photos]
     photo, again = photos[0], next(_render(house, views))
@@ -107,7 +100,7 @@ def test_same_seed_same_bytes(photos: list[RenderedPhoto]) -> None:
     assert (again.labels == photo.labels).all() and again.camera == photo.camera
 
 
-def test_models_furnish_listings_and_keep_clear_of_cameras(tmp_path: Path) -> None:
+def test_models_furnish_listings_and_keep_clear_of_cameras(tmp_path):
     house = reception_and_bedroom()
     models = read_model_index(model_folder(tmp_path), train=True)
     decor = listing_decor(Sources(models=models), 3)
@@ -122,7 +115,7 @@ def test_models_furnish_listings_and_keep_clear_of_cameras(tmp_path: Path) -> No
     assert photo.image.mean() > 40
 
 
-def test_missing_material_is_one_line() -> None:
+def test_missing_material_is_one_line():
     house = reception_and_bedroom()
     materials = _materials()
     del materials[SurfaceKey("a", "wall")]

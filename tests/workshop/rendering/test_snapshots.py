@@ -1,7 +1,3 @@
-"""Quick training photos: truth against geometry, textures, determinism, targets."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -15,7 +11,7 @@ from plan2scene_workshop.rendering.lights import add_balcony
 from plan2scene_workshop.rendering.palette import draw_palette
 from plan2scene_workshop.rendering.quick import QuickTracer
 from plan2scene_workshop.rendering.shell import wall_faces
-from plan2scene_workshop.rendering.snapshots import Snapshot, shoot_room
+from plan2scene_workshop.rendering.snapshots import shoot_room
 from plan2scene_workshop.rendering.sources import Sources
 from plan2scene_workshop.rendering.tracer import Finish, load_mitsuba
 from plan2scene_workshop.rendering.views import View
@@ -32,7 +28,7 @@ def mi():
     return found
 
 
-def _shoot(mi, seed: int) -> list[Snapshot]:
+def _shoot(mi, seed):
     house = generate_house("tiny", seed)
     materials = assign_materials(house, seed, (), size_px=64)
     decor = draw_decor(Sources(), seed, randomised=True)
@@ -42,11 +38,11 @@ def _shoot(mi, seed: int) -> list[Snapshot]:
 
 
 @pytest.fixture(scope="module")
-def snapshots(mi) -> list[Snapshot]:
+def snapshots(mi):
     return _shoot(mi, 3)
 
 
-def test_snapshots_are_reproducible_and_see_the_room(mi, snapshots: list[Snapshot]) -> None:
+def test_snapshots_are_reproducible_and_see_the_room(mi, snapshots):
     again = _shoot(mi, 3)
     assert len(snapshots) == 2
     for first, second in zip(snapshots, again, strict=True):
@@ -58,7 +54,7 @@ def test_snapshots_are_reproducible_and_see_the_room(mi, snapshots: list[Snapsho
         assert first.image.std() > 5
 
 
-def test_depth_normals_and_labels_agree_with_the_camera(snapshots: list[Snapshot]) -> None:
+def test_depth_normals_and_labels_agree_with_the_camera(snapshots):
     for shot in snapshots:
         camera, rotation = shot.camera, np.array(shot.camera["rotation"])
         rows, columns = np.mgrid[: camera["height"], : camera["width"]]
@@ -82,7 +78,7 @@ def test_depth_normals_and_labels_agree_with_the_camera(snapshots: list[Snapshot
         assert ((normal * (ray @ rotation)).sum(-1)[depth > 0] < 0.02).all()
 
 
-def test_amodal_labels_tell_what_furniture_hides(snapshots: list[Snapshot]) -> None:
+def test_amodal_labels_tell_what_furniture_hides(snapshots):
     for shot in snapshots:
         seen = shot.labels != OTHER
         assert 0.1 < seen.mean() < 0.9 and shot.amodal is not None
@@ -90,7 +86,7 @@ def test_amodal_labels_tell_what_furniture_hides(snapshots: list[Snapshot]) -> N
         assert (shot.amodal != OTHER).mean() > 0.99
 
 
-def test_textures_are_seen_the_right_way_up(mi) -> None:
+def test_textures_are_seen_the_right_way_up(mi):
     """A quad of one tile, red top left, blue bottom right, seen from the front."""
     tile = np.zeros((8, 8, 3), np.uint8)
     tile[:4, :4], tile[4:, 4:] = (200, 0, 0), (0, 0, 200)
@@ -108,7 +104,7 @@ def test_textures_are_seen_the_right_way_up(mi) -> None:
     assert corners[3] == pytest.approx([0, 0, red], abs=0.02)
 
 
-def test_fitted_closets_are_doors_on_plain_walls() -> None:
+def test_fitted_closets_are_doors_on_plain_walls():
     house = generate_house("tiny", 3)
     palette = draw_palette(np.random.default_rng(0))
     faces = [face for room in house.rooms for face in wall_faces(house, room)]
@@ -121,7 +117,7 @@ def test_fitted_closets_are_doors_on_plain_walls() -> None:
     assert max(tops) < max(room.height for room in house.rooms)
 
 
-def test_a_balcony_hides_the_ground_and_leaves_the_sky() -> None:
+def test_a_balcony_hides_the_ground_and_leaves_the_sky():
     sky = np.ones((64, 128, 3), np.float32)
     floor, wall = np.zeros((8, 8, 3), np.uint8), np.full((8, 8, 3), 128, np.uint8)
     view = add_balcony(sky, floor, wall, np.random.default_rng(0))
