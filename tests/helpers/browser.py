@@ -19,8 +19,7 @@ def chromium(*options):
     """Yield a browser, started with command line options."""
     if CHROMIUM is None:
         pytest.skip("no Chromium on PATH")
-    api = pytest.importorskip("playwright.sync_api")
-    with api.sync_playwright() as playwright:
+    with pytest.importorskip("playwright.sync_api").sync_playwright() as playwright:
         browser = playwright.chromium.launch(
             executable_path=CHROMIUM, args=["--no-sandbox", *(options or ["--disable-gpu"])]
         )

@@ -10,7 +10,6 @@ from plan2scene.photos.labels.imagenet import BLOCKS
 
 @pytest.fixture
 def colours_as_imagenet(monkeypatch):
-    """Let the maps of the network of ImageNet be the photo's brightness."""
 
     def maps(_network, x):
         grey = (functional.avg_pool2d(x, 2**k).mean(1, keepdim=True) for k in range(1, 6))

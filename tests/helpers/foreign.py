@@ -148,14 +148,12 @@ def drawings() -> list[bytes]:
 
 
 def scans() -> list[bytes]:
-    """Return a RoomPlan scan of one room of 4 x 3 m."""
     corners = [(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)]
     walls = []
     for (x0, z0), (x1, z1) in zip(corners, corners[1:] + corners[:1], strict=True):
         size = abs(x1 - x0) + abs(z1 - z0)
         x, z = (x1 - x0) / size, (z1 - z0) / size
-        middle = [(x0 + x1) / 2, 1.2, (z0 + z1) / 2, 1]
-        transform = [x, 0, z, 0, 0, 1, 0, 0, -z, 0, x, 0, *middle]
+        transform = [x, 0, z, 0, 0, 1, 0, 0, -z, 0, x, 0, *[(x0 + x1) / 2, 1.2, (z0 + z1) / 2, 1]]
         wall = {"identifier": f"w{x0}{z0}", "category": {"wall": {}}, "story": 0}
         walls.append({**wall, "dimensions": [size, 2.4, 0], "transform": transform})
     room = {"walls": walls, "floors": [], "sections": [], "doors": [], "windows": []}
@@ -163,7 +161,6 @@ def scans() -> list[bytes]:
 
 
 def homes() -> list[bytes]:
-    """Return a Sweet Home 3D file of one room."""
     points = [(0, 0), (400, 0), (400, 300), (0, 300)]
     inside = "".join(f'<point x="{x}" y="{y}"/>' for x, y in points)
     text = f'<home version="7000" name="h" wallHeight="250"><room id="r">{inside}</room></home>'
@@ -188,7 +185,6 @@ def layouts() -> list[bytes]:
 
 
 def models() -> list[bytes]:
-    """Return an IFC model of a room of 4 x 3 m with a door."""
     from plan2scene_app.exports.ifc4 import write_ifc
 
     small = {**json.loads(own_plans()[1]), "openings": [DOOR]}
@@ -198,7 +194,6 @@ def models() -> list[bytes]:
 
 
 def parquets() -> list[bytes]:
-    """Return a table as the workflow keeps it."""
     rows = {"room": ["a", "b"] * 50, "x": np.arange(100.0), "image": [b"png"] * 100}
     with tempfile.TemporaryDirectory() as folder:
         write_parquet(Path(folder) / "x.parquet", pd.DataFrame(rows), {"house": "h1"})
@@ -221,8 +216,7 @@ def read_config(path: Path) -> object:
 
 
 def pictures() -> list[bytes]:
-    pixels = (np.arange(48 * 40 * 3) % 251).astype(np.uint8).reshape(40, 48, 3)
-    image = Image.fromarray(pixels)
+    image = Image.fromarray((np.arange(48 * 40 * 3) % 251).astype(np.uint8).reshape(40, 48, 3))
     exif = Image.Exif()
     exif[0x0112] = 6
     exif.get_ifd(0x8769)[0xA405] = 24
@@ -349,13 +343,11 @@ def read_run(path: Path) -> None:
 
 
 def read_left(path: Path) -> object:
-    """Return what a stage left, read as the stages after it do."""
     found = read_stage_json(path, path.stem)
     if path.stem == "cameras":
         read_poses(path)
     if path.stem in ("textures", "maps", "doors"):
-        other = {"textures", "maps", "doors"} - {path.stem}
-        for form in other:
+        for form in {"textures", "maps", "doors"} - {path.stem}:
             write_json(path.with_name(f"{form}.json"), LEFT[form])
         for suffix in (".png", ".jpg"):
             path.with_name(f"living_floor{suffix}").write_bytes(crops()[0])
@@ -465,7 +457,6 @@ def _other_values(draw: Callable, data: bytes) -> bytes:
 
 
 def _other_numbers(draw: Callable, data: bytes) -> bytes:
-    """Return text with some of its numbers changed."""
     for _ in range(draw(st.integers(1, 3))):
         found = [match.span() for match in re.finditer(rb"-?\d+(?:\.\d*)?", data)]
         if not found:
@@ -480,8 +471,7 @@ def _other_entry(draw: Callable, data: bytes) -> bytes:
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         entries = {name: archive.read(name) for name in archive.namelist()}
     first = next(iter(entries))
-    damage = draw(st.sampled_from([_other_bytes, _other_numbers]))
-    entries[first] = damage(draw, entries[first])
+    entries[first] = draw(st.sampled_from([_other_bytes, _other_numbers]))(draw, entries[first])
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, content in entries.items():

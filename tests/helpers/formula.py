@@ -37,7 +37,6 @@ def formula_model() -> TextureModel:
 
 
 def formula_crop() -> np.ndarray:
-    """Return a (128, 128, 3) uint8 crop of waves."""
     y, x = np.mgrid[:128, :128].astype(float)
     base = 0.5 + 0.25 * np.sin(2 * np.pi * (3 * x + 5 * np.sin(2 * np.pi * y / 128)) / 128)
     base += 0.1 * np.sin(2 * np.pi * 17 * y / 128)

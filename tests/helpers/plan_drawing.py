@@ -128,8 +128,7 @@ def assert_hole(hole, left, thickness, kinds, heights):
 
     name, (_, o) = min(left.items(), key=lambda item: np.linalg.norm(offset(item)))
     away = offset((name, left.pop(name)))
-    assert abs(away @ hole.along) < 0.05
-    assert np.linalg.norm(away) < thickness / 2 + 0.05
+    assert abs(away @ hole.along) < 0.05 and np.linalg.norm(away) < thickness / 2 + 0.05
     assert abs(o.end - o.start - hole.width) < 0.05
     assert not kinds or o.kind == hole.kind
     if heights:

@@ -56,8 +56,7 @@ def write_rent3dpp_copy(
         write_scene_json(furnished, processed / "full_archs" / plan)
         if split in _BOXED_SPLITS:
             _write_boxes(data / "object_aabbs" / split / f"{house_id}.objectaabb.json", icons)
-        header = ROOM_HEADERS[number % len(ROOM_HEADERS)]
-        _copy_photos(source, data, row, header)
+        _copy_photos(source, data, row, ROOM_HEADERS[number % len(ROOM_HEADERS)])
         if crops is not None:
             _write_crops(Path(crops) / "houses" / house_id / "crops.parquet", processed)
     for split, members in names.items():
@@ -75,22 +74,18 @@ def drawn_icons(house: House) -> tuple[IconBox, ...]:
 
 
 def _icon(room: Room, kind: str, width: float, depth: float) -> IconBox:
-    """Return a box of a size around a point in a room."""
     middle = room_polygon(room).representative_point()
     low = (round(middle.x - width / 2, 3), round(middle.y - depth / 2, 3))
-    high = (round(middle.x + width / 2, 3), round(middle.y + depth / 2, 3))
-    return IconBox(kind, low, high)
+    return IconBox(kind, low, (round(middle.x + width / 2, 3), round(middle.y + depth / 2, 3)))
 
 
 def _model(index: int, icon: IconBox) -> PlacedObject:
-    """Return an object model placed in the middle of an icon."""
     matrix = np.eye(4)
     matrix[:3, 3] = [(icon.p1[0] + icon.p2[0]) / 2, 0.0, (icon.p1[1] + icon.p2[1]) / 2]
     return PlacedObject(f"synthetic.{icon.type}", index, -1, tuple(matrix.T.ravel().tolist()))
 
 
 def _write_boxes(path: Path, icons: Sequence[IconBox]) -> None:
-    """Write ``objectaabb.json``."""
     objects = [
         {"type": icon.type, "bound_box": {"p1": list(icon.p1), "p2": list(icon.p2)}}
         for icon in icons

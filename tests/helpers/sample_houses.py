@@ -8,6 +8,7 @@ import pytest
 
 from plan2scene.house import Door, House, Opening, Room, Wall
 from plan2scene.images import png_bytes
+from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.texture_files import TileTexture
 from plan2scene.plans.formats import read_plan
 
@@ -20,6 +21,27 @@ def walls_of(room, openings=None):
         Wall(f"{room.id}_w{k}", (room.id,), *edge, room.height, openings=holes[k])
         for k, edge in enumerate(edges)
     )
+
+
+def with_openings(house, chosen=lambda _: True, **changes):
+    """Return a house whose openings, or those that are chosen, have other values."""
+
+    def changed(wall):
+        holes = (replace(o, **changes) if chosen(o) else o for o in wall.openings)
+        return replace(wall, openings=tuple(holes))
+
+    return replace(house, walls=tuple(map(changed, house.walls)))
+
+
+def parts_of(house):
+    """Return the parts of a house by name."""
+    return {part.name: part for part in assemble(house).parts}
+
+
+def one_room(kind, width, depth, openings=None, name="room"):
+    """Return a house of one room, 2.5 m high, with openings by wall index."""
+    room = Room(name, (kind,), (((0.0, 0.0), (width, 0.0), (width, depth), (0.0, depth)),), 2.5)
+    return House("h", (room,), walls_of(room, openings))
 
 
 def rooms_in_a_row(**types):
@@ -70,7 +92,6 @@ def ring_house():
 
 @pytest.fixture(scope="session")
 def storey_house():
-    """The example of two storeys."""
     examples = Path(__file__).parents[2] / "resources" / "examples"
     return read_plan(examples / "two_storeys" / "plan.json", "two")
 
@@ -95,8 +116,7 @@ def gap_house():
         *walls_of(a, openings={1: [Opening("ha", "door", 1.0, 1.8, 0.0, 2.0)]}),
         *walls_of(b, openings={3: [Opening("hb", "door", 2.2, 3.0, 0.0, 2.0)]}),
     )
-    doors = (Door("a", "ha", "b"), Door("b", "hb", "a"))
-    return House("gap", (a, b), walls, doors)
+    return House("gap", (a, b), walls, (Door("a", "ha", "b"), Door("b", "hb", "a")))
 
 
 @pytest.fixture

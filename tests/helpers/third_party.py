@@ -15,7 +15,6 @@ SOURCE = Path(__file__).parents[1] / "toy_package"
 
 @pytest.fixture(scope="session")
 def toy_site(tmp_path_factory):
-    """Return the folder that the package is installed into."""
     site = tmp_path_factory.mktemp("site")
     options = ["--quiet", "--no-deps", "--no-build-isolation", "--disable-pip-version-check"]
     command = [sys.executable, "-m", "pip", "install", *options, "--target", str(site)]

@@ -21,7 +21,6 @@ def dxf(scale=1000, layer="W1"):
 
 
 def svg():
-    """Return an SVG plan of 800 x 400 pixels without a scale."""
     rooms = (("Bedroom", 0, 500), ("Kitchen", 500, 800))
     groups = "".join(
         f'<g class="Space {kind}"><polygon points="{a},0 {b},0 {b},400 {a},400"/></g>'

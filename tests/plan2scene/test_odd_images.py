@@ -155,8 +155,7 @@ def animated():
 
 
 def grey16(form):
-    values = in_quarters(np.array(GREYS, np.uint16)) * 257
-    return saved(Image.fromarray(values), form)
+    return saved(Image.fromarray(in_quarters(np.array(GREYS, np.uint16)) * 257), form)
 
 
 def float_tiff(white):
@@ -218,8 +217,7 @@ def test_odd_but_whole_images_give_the_pixels_that_were_drawn(tmp_path, name):
     path.write_bytes(make())
     found = read_image(path)
     wanted = expected()
-    assert found.shape == wanted.shape
-    assert found.dtype == np.uint8
+    assert found.shape == wanted.shape and found.dtype == np.uint8
     # JPEG blurs across the border of two quarters: only flat parts are compared exactly.
     error = np.abs(found.astype(int) - wanted)
     if tolerance > 2:
@@ -244,8 +242,7 @@ def test_a_reduced_image_is_upright(form):
 def wrong_checksum(kind):
     whole = bytearray(saved(rgb(), "PNG"))
     place = whole.index(kind)
-    size = struct.unpack_from(">I", whole, place - 4)[0]
-    whole[place + 4 + size] ^= 0xFF
+    whole[place + 4 + struct.unpack_from(">I", whole, place - 4)[0]] ^= 0xFF
     return bytes(whole)
 
 
@@ -258,7 +255,6 @@ def noise(form):
     return saved(Image.fromarray(values), form)
 
 
-#: name: (bytes, words of the line)
 FAILS: dict[str, tuple[Callable[[], bytes], str]] = {
     "cut.jpg": (lambda: cut(noise("JPEG"), 0.5), "truncated"),
     "cut.png": (lambda: cut(noise("PNG"), 0.5), "truncated"),
@@ -333,8 +329,7 @@ def test_damaged_images_give_one_clear_line(tmp_path, name):
     line = str(error.value)
     assert line.startswith(f"file {path}, house h1: expected an image")
     assert words in line
-    assert "\n" not in line
-    assert len(line) < 600
+    assert "\n" not in line and len(line) < 600
 
 
 def test_folders_and_pipes_are_no_images(tmp_path):

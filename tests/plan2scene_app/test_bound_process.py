@@ -44,8 +44,7 @@ def test_a_signal_to_the_starter_alone_ends_all(name):
     starter.send_signal(getattr(signal, name))
     starter.wait(timeout=10)
     if name != "SIGKILL":
-        line = f"ended by {name}; the same command goes on from there\n"
-        assert starter.stdout.read() == line
+        assert starter.stdout.read() == (f"ended by {name}; the same command goes on from there\n")
     _, alive = psutil.wait_procs(started, timeout=8)
     assert alive == []
 

@@ -24,7 +24,6 @@ def call(*arguments):
 
 
 def fault_of(monkeypatch, capsys, *arguments):
-    """Return the one line that the program prints as it ends with a fault."""
     monkeypatch.setattr("sys.argv", ["plan2scene", *map(str, arguments)])
     with pytest.raises(SystemExit) as stop:
         cli.main()
@@ -52,8 +51,7 @@ def test_masks_are_label_images_and_take_the_place_of_such_alone(tmp_path):
     assert code == 1  # the bad one is named, the other is done
     assert "bad.png" in output
     labels = Image.open(out / "room one.png")
-    assert labels.size == (120, 90)
-    assert labels.mode == "L"
+    assert labels.size == (120, 90) and labels.mode == "L"
     assert set(np.unique(np.asarray(labels))) <= {0, 1, 2, 3}
     assert call("masks", photo, "--out", out)[0] == 0
     Image.fromarray(np.full((90, 120), 180, np.uint8)).save(out / "room one.png")
@@ -191,8 +189,7 @@ def test_what_a_run_shows_reaches_the_workflow(tmp_path, monkeypatch):
 
     asked, make = [], runs.run
     monkeypatch.setattr(runs, "run", lambda request, *_, **__: asked.append(request) or {})
-    options = (("--walls", "room", "--colours", "photo"), ())
-    for given in options:
+    for given in (("--walls", "room", "--colours", "photo"), ()):
         assert call("run", "--plan", PLAN, "--out", tmp_path / "out", *given)[0] == 0
     shown = []
     for k, request in enumerate(asked):

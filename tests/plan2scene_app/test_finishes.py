@@ -80,8 +80,7 @@ def test_the_same_as_in_another_room_follows_it_and_no_circle(house):
     key = SurfaceKey
     chosen = {key("a", "floor"): "same:b", key("b", "floor"): "white"}
     chosen |= {key("a", "wall"): "same:b", key("b", "wall"): "same:a"}
-    files = house / "crops.parquet", house / "paint.parquet"
-    set_by_hand(house / "set", chosen, *files)
+    set_by_hand(house / "set", chosen, *(house / "crops.parquet", house / "paint.parquet"))
     same = [read_image(house / "set" / f"{room}_floor.png") for room in ("a", "b")]
     assert np.array_equal(*same) and same[0].min() > 200
     for room in ("a", "b"):

@@ -2,6 +2,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from sample_houses import with_openings
 
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import room_polygon
@@ -31,11 +32,7 @@ def test_small_houses_come_back(name, request):
 
 
 def test_guessed_openings_stay_guesses(l_house):
-    guesses = (
-        replace(w, openings=tuple(replace(o, guessed=o.kind == "window") for o in w.openings))
-        for w in l_house.walls
-    )
-    plan = house_to_plan(replace(l_house, walls=tuple(guesses)))
+    plan = house_to_plan(with_openings(l_house, lambda o: o.kind == "window", guessed=True))
     assert [opening["id"] for opening in plan["openings"]] == ["front"]
 
 

@@ -14,7 +14,6 @@ pytestmark = pytest.mark.usefixtures("toy_installed")
 
 
 def plan2scene(*arguments, cwd):
-    """Run the command; return what it prints."""
     main = "from plan2scene_app.cli import main; main()"
     command = [sys.executable, "-c", main, *map(str, arguments)]
     wide = os.environ | {"COLUMNS": "200"}
@@ -30,8 +29,7 @@ def test_the_command_uses_them_by_name(storey_house, tmp_path):
     write_json(tmp_path / "out/textures/textures.json", {"method": "toy", "surfaces": {}})
     made = plan2scene("export", "out", "--to", "rooms", cwd=tmp_path).split()
     assert made == ["out/rooms/rooms.txt"]
-    rooms = [room.id for room in storey_house.rooms]
-    assert (tmp_path / made[0]).read_text().split() == rooms
+    assert (tmp_path / made[0]).read_text().split() == [room.id for room in storey_house.rooms]
 
 
 def test_what_cannot_be_used_is_warned_of_and_left_out(caplog):
@@ -48,5 +46,4 @@ def test_a_rule_depends_on_the_version_of_others_and_on_our_source():
     assert method_code("toy") == export_code("rooms") == reader_code(".square")
     assert method_code("toy") == ["plan2scene-toy 0.3"]
     (ours,) = method_code("crop")
-    assert ours != export_code("obj")[0]
-    assert len(ours) == 16
+    assert ours != export_code("obj")[0] and len(ours) == 16

@@ -70,7 +70,6 @@ def missing() -> str:
 
 
 def free_ports(count: int) -> list[int]:
-    """Return ports that nobody listens on."""
     with ExitStack() as opened:
         sockets = [opened.enter_context(socket.socket()) for _ in range(count)]
         for each in sockets:
@@ -104,7 +103,6 @@ class Cluster:
             )
 
     def start_node(self, name: str) -> None:
-        """Start the daemon of a node, anew where it was killed."""
         self.start(name, "slurmd", "-D", "-N", name)
 
     def kill_node(self, name: str) -> None:
@@ -122,7 +120,6 @@ class Cluster:
                 os.kill(int(process.name), signal.SIGKILL)
 
     def ask(self, *command: str) -> str:
-        """Return what one of SLURM's commands prints; nothing where it fails."""
         done = subprocess.run(
             command, env=self.environment, capture_output=True, text=True, check=False
         )
@@ -144,7 +141,6 @@ class Cluster:
         return [dict(word.split("=", 1) for word in line.split() if "=" in word) for line in lines]
 
     def stop(self) -> None:
-        """End jobs and daemons."""
         end = time.monotonic() + 10
         while self.ask("squeue", "--noheader") and time.monotonic() < end:
             self.ask("scancel", "--quiet", "--user", "root")

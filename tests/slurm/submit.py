@@ -31,7 +31,6 @@ def submit(
 
 
 def write_snakefile(folder: Path, text: str) -> Path:
-    """Write a Snakefile that runs under the profile; return its folder."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "Snakefile").write_text(textwrap.dedent(text))
     return folder

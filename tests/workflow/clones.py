@@ -41,12 +41,10 @@ class Clone:
             if line.startswith(("rule ", "localrule ")):
                 jobs.append((line.split()[1].rstrip(":"), ""))
             elif line.strip().startswith("wildcards:") and "house=" in line:
-                house = line.split("house=")[1].split(",")[0].strip()
-                jobs[-1] = (jobs[-1][0], house)
+                jobs[-1] = (jobs[-1][0], line.split("house=")[1].split(",")[0].strip())
         return jobs
 
     def houses(self) -> list[str]:
-        """Return the houses of the copy's table."""
         lines = (self.root / "data" / "houses.tsv").read_text().splitlines()[1:]
         return [line.split("\t")[0] for line in lines]
 

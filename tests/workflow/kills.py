@@ -14,7 +14,6 @@ import psutil
 
 
 def house_command(plan: Path, out: Path, *further: str) -> list[str]:
-    """Return the words of ``plan2scene run`` on a plan."""
     program = [sys.executable, "-c", "from plan2scene_app.cli import main; main()"]
     return [*program, "run", "--plan", str(plan), "--out", str(out), "--cores", "1", *further]
 
@@ -46,7 +45,6 @@ def killed(
 
 
 def finished(command: Sequence[str], **options: object) -> str:
-    """Start a command and let it finish; return its output, or raise."""
     run = subprocess.run(
         command, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, **options
     )
@@ -89,5 +87,4 @@ def digests(folder: Path, but: Sequence[str] = ()) -> dict[str, str]:
 
 
 def strays(folder: Path) -> list[str]:
-    """Return the temporary files and folders below a folder."""
     return [path.name for path in folder.rglob(".tmp_*")]

@@ -31,7 +31,6 @@ METHODS = {"crop", "retrieve", "naivesynth", "synth", "exemplar"}
 
 @pytest.fixture
 def folder(made):
-    """Return the results of the house that is made."""
     return made.root / "results/tiny/houses" / made.houses()[0]
 
 
@@ -48,7 +47,6 @@ def test_the_house_has_its_files(made, folder, plan):
     assert Image.open(folder / "views.jpg").size[1] > 200  # some photos are located
     own = made.root / "results/tiny/drop_0.0/exemplar" / folder.name / "textures"
     assert {path.stem for path in own.glob("*.png")} == {k.filename for k in plan.surface_keys()}
-    # The same tiles by both ways that make them.
     compared = folder / "comparison/0.0"
     assert {path.name for path in compared.iterdir()} == METHODS
     for path in (*own.glob("*.png"), own / "textures.json"):
@@ -65,8 +63,7 @@ def test_tiles_have_the_colours_of_the_true_materials(folder, tiles):
             images = (read_image(where / name) for where in (folder / tiles, truth))
             labs = [rgb_to_lab(median_colour(image)) for image in images]
             differences.append(float(delta_e_2000(*labs)))
-    assert len(differences) == 8
-    assert sum(differences) / 8 < COLOUR_BOUNDS[tiles]
+    assert len(differences) == 8 and sum(differences) / 8 < COLOUR_BOUNDS[tiles]
 
 
 def test_a_killed_run_ends_as_an_undisturbed_one(made, tmp_path):
@@ -137,8 +134,7 @@ def test_a_photo_of_a_hostile_name_runs_no_script_in_the_report(made):
         page.on("pageerror", lambda error: faults.append(str(error)))
         page.goto((made.root / "report.html").as_uri())
         page.get_by_text("Houses").first.wait_for()
-        assert page.evaluate("window.ran") is None
-        assert page.locator("[src=x]").count() == 0
+        assert page.evaluate("window.ran") is None and page.locator("[src=x]").count() == 0
         assert faults == []
     (made.root / "report.html").unlink()
 
@@ -208,5 +204,4 @@ def test_a_wrong_config_is_refused(made, tmp_path):
     path = tmp_path / "wrong.yaml"
     path.write_text("methodz: [crop]\n")
     run = made.snakemake("--dry-run", "--configfile", str(path), "--", "all")
-    assert run.returncode != 0
-    assert "methodz" in run.stdout
+    assert run.returncode != 0 and "methodz" in run.stdout

@@ -132,7 +132,6 @@ def renamed(row, name, data):
 
 
 def drawn(path):
-    """Draw a plan of two rooms with a window each, a door between them and one outside."""
     image = np.full((350, 500, 3), 255, np.uint8)
     cv2.rectangle(image, (40, 40), (460, 310), (0, 0, 0), -1)
     white = [(50, 50, 249, 299), (256, 50, 449, 299), (249, 100, 256, 145), (100, 300, 145, 311)]
@@ -152,7 +151,6 @@ def unmeasured(path):
 
 @pytest.fixture(scope="module")
 def broken(tmp_path_factory, toy_site):
-    """Run the houses together; return clone and output."""
     clone = make_clone(
         tmp_path_factory.mktemp("broken") / "clone", [], floorplans={"metres_per_pixel": 0.02}
     )
@@ -222,8 +220,7 @@ def test_odd_photos_are_used_like_others(broken):
 
 
 def test_a_plan_that_is_a_picture_is_traced_before_it_is_read(broken):
-    folder = broken[0].root / HOUSES / "traced"
-    made = {path.name for path in folder.iterdir() if path.is_file()}
+    made = {path.name for path in (broken[0].root / HOUSES / "traced").iterdir() if path.is_file()}
     assert {"scene.json", "plan.json", "plan.overlay.png", "plan.doubts.txt"} <= made
 
 

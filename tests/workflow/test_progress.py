@@ -51,8 +51,7 @@ def test_a_line_says_count_rule_house_and_seconds():
 
 def test_a_terminal_gets_a_bar_below_the_lines():
     text = made(Terminal())
-    assert f"[{'#' * 15}{'.' * 15}]\r" in text
-    assert f"[{'#' * 30}]\n" in text
+    assert f"[{'#' * 15}{'.' * 15}]\r" in text and f"[{'#' * 30}]\n" in text
 
 
 def test_events_go_to_a_file_as_json_lines(tmp_path):
@@ -83,7 +82,6 @@ def test_a_failed_job_is_a_line_with_what_its_log_says(tmp_path):
     first, second = handler.stream.getvalue().splitlines()
     assert first.split(maxsplit=2)[2] == "ERROR house h: expected a room, found none"
     assert second.endswith(f"see {tmp_path / 'none.log'}")
-    # After Ctrl+C nothing failed.
     handler.emit(logging.makeLogRecord({"msg": "Terminating processes on user request, this..."}))
     handler.emit(logging.makeLogRecord(silent | {"indent": False}))
     assert handler.stream.getvalue().splitlines()[2:] == []

@@ -18,7 +18,6 @@ CONFIG = ("--configfile", "config/rent3dpp.yaml", "two_seeds.yaml", "--config")
 
 
 def write_crops(results, row):
-    """Write crops.parquet of a house: a floor, a wall and a ceiling of each photo."""
     kinds = {"floor": "wood", "wall": "plaster", "ceiling": "plaster"}
     tiles = {name: random_material(kinds[name], 3, size_px=128).albedo for name in kinds}
     rows = [

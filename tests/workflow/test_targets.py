@@ -8,7 +8,6 @@ from clones import ROOT, Clone, demo_rows, make_clone
 
 @pytest.fixture(scope="module")
 def bare(tmp_path_factory):
-    """Two houses, nothing made."""
     return make_clone(tmp_path_factory.mktemp("bare") / "clone", demo_rows()[:2])
 
 
@@ -16,7 +15,6 @@ def test_a_house_is_one_job_of_the_sweep_and_one_of_the_ablation(bare):
     rules = Counter(rule for rule, _ in bare.jobs("sweep", "ablation"))
     assert (rules["sweep_house"], rules["ablation_house"]) == (2, 2)
     assert (rules["sweep"], rules["ablation"]) == (1, 1)
-    # Both compare with the features of the crops.
     assert rules["metrics"] == 2
 
 
@@ -36,23 +34,12 @@ def test_one_method_of_one_house_can_be_asked_for(bare):
         f"results/tiny/drop_{drop}/{house}/textures" for drop in ("0.6/crop", "0.0/projection")
     )
     rules = Counter(rule for rule, _ in bare.jobs(*copies))
-    assert rules["textures"] == 2
-    assert rules["texture_library"] == 1
+    assert rules["textures"] == 2 and rules["texture_library"] == 1
     assert "table_textures" not in rules
     # A method that takes no tile of the library does not wait for it, the 3D house for no picture.
-    jobs = bare.jobs(f"results/tiny/houses/{house}/house.glb")
-    rules = {rule for rule, _ in jobs}
+    rules = {rule for rule, _ in bare.jobs(f"results/tiny/houses/{house}/house.glb")}
     assert "textures" in rules
     assert not rules & {"texture_library", "table_textures", "pictures", "viewer"}
-
-
-def test_an_unknown_house_is_one_line_with_the_table_and_the_nearest_names(bare):
-    house = bare.houses()[0]
-    run = bare.snakemake(f"results/tiny/houses/{house}x/house.glb")
-    assert run.returncode != 0
-    (line,) = [text for text in run.stdout.splitlines() if f"{house}x: expected" in text]
-    assert "data/houses.tsv" in line and house in line.split("found")[1]
-    assert "Traceback" not in run.stdout
 
 
 def test_without_a_finished_house_there_is_no_partial_table(bare):
@@ -81,7 +68,6 @@ def test_every_stage_has_a_target_over_the_data_set(bare):
     once = ["floorplan", "masks", "places", "crops", "embeddings", "textures", "table_textures"]
     once += ["materials", "propagated", "house", "metrics"]
     assert {rules[rule] for rule in once} == {2}
-    # Nothing that is only looked at.
     assert not rules.keys() & {"pictures", "viewer", "contact_sheet", "texture_sheet"}
 
 

@@ -16,7 +16,6 @@ TABLE = "room_id,photo\nkitchen,kitchen_0.jpg\nbedroom,bedroom_0.jpg\n"
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory):
-    """Return the folder that the wheel is installed into."""
     root = tmp_path_factory.mktemp("wheel")
     pip = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check"]
     build = ["wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", str(root), str(ROOT)]

@@ -40,7 +40,6 @@ MODELS = "results/training/models"
 
 @pytest.fixture
 def run(tmp_path):
-    """Return a function that runs the workshop's Snakefile in an empty folder."""
     (tmp_path / "workshop").symlink_to(ROOT / "workshop")
     (tmp_path / "tiny.yaml").write_text(yaml.safe_dump(TINY))
     paths = os.pathsep.join(str(ROOT / part) for part in ("src", "workshop/src"))
@@ -65,14 +64,12 @@ def run(tmp_path):
 def test_data_and_models_are_made(run, tmp_path):
     pytest.importorskip("mitsuba")
     run("data", *(f"{MODELS}/{name}.safetensors" for name in ("features", "plans")))
-    table = read_table(tmp_path / "data" / "tiny" / "houses.tsv")
-    assert len(table.houses) == 1
+    assert len(read_table(tmp_path / "data" / "tiny" / "houses.tsv").houses) == 1
     load_substance_network(tmp_path / MODELS / "features.safetensors")
     load_plan_segmenter(tmp_path / MODELS / "plans.safetensors")
     assert "`steps` 2," in (tmp_path / MODELS / "plans.md").read_text()
     card = (tmp_path / MODELS / "features.md").read_text()
-    assert "- 8 procedural materials." in card
-    assert "`steps` 2" in card
+    assert "- 8 procedural materials." in card and "`steps` 2" in card
     made = {path.name for path in (tmp_path / "results" / "training").iterdir()}
     assert made == {"models", "materials.npz"}  # no checkpoint stays
 

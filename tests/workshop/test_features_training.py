@@ -21,5 +21,4 @@ def test_training_writes_weights_and_card_and_repeats_itself(tmp_path):
         assert f"| {name} | 16 | {accuracy:.3f} |" in card
     network = load_substance_network(tmp_path / "a.safetensors")
     features, _ = describe_images(network, [random_material("tile", 1, size_px=128).albedo])
-    assert features.shape == (1, 64)
-    assert np.isfinite(features).all()
+    assert features.shape == (1, 64) and np.isfinite(features).all()

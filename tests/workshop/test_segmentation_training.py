@@ -53,10 +53,8 @@ def _striped(seed=0, size=(48, 64)):
 def test_scores_take_doors_and_windows_as_other_and_by_themselves():
     true = np.array([[DOOR, WINDOW, OTHER, WALL]], np.uint8)
     found = scores([confusion(np.array([[WINDOW, OTHER, OTHER, DOOR]], np.uint8), true)])
-    assert found.iou[OTHER] == pytest.approx(3 / 4)
-    assert found.iou[WALL] == 0
-    assert found.accuracy == pytest.approx(3 / 4)
-    assert found.openings == pytest.approx(1 / 3)
+    assert found.iou[OTHER] == pytest.approx(3 / 4) and found.iou[WALL] == 0
+    assert found.accuracy == pytest.approx(3 / 4) and found.openings == pytest.approx(1 / 3)
 
 
 def _tiny():
@@ -140,8 +138,7 @@ def test_a_trained_network_is_written_with_those_beside_it_and_the_next_starts_f
     text = card.read_text()
     assert "o.safetensors" in text
     assert f"| **mean** | {measured.mean_iou:.3f} |" in text
-    assert "1 rendered photos" in text
-    assert "Seed 0; settings: " in text and "`batch` 2" in text
+    assert "1 rendered photos" in text and "Seed 0; settings: " in text and "`batch` 2" in text
     assert load_segmenter(model).labels(_striped(2).image).shape == (48, 64)
     found = load_segmenter(model).network
     assert isinstance(found, Ensemble)
@@ -190,8 +187,7 @@ def test_normals_depth_and_openings_are_read_where_there_are_some(tmp_path):
     truth = tmp_path / "truth" / "train" / "h1"
     normals = np.zeros((48, 64, 3), np.uint8)
     normals[:24] = (255, 128, 128)
-    depth = np.full((48, 64), 2500, np.uint16)
-    for folder, values in (("normals", normals), ("depth", depth)):
+    for folder, values in (("normals", normals), ("depth", np.full((48, 64), 2500, np.uint16))):
         (truth / folder).mkdir()
         Image.fromarray(values).save(truth / folder / "h1_a.png")
     write_label_png(truth / "masks" / "h1_a.png", np.full((48, 64), WINDOW, np.uint8))

@@ -159,8 +159,7 @@ def test_converted_propagation_is_the_network_that_was_given(means, tmp_path):
 def test_the_classifier_is_that_of_released_checkpoints(tmp_path):
     with torch.device("meta"):
         shapes = {k: tuple(v.shape) for k, v in VggClassifier().state_dict().items()}
-    assert len(shapes) == 32
-    assert shapes["features.28.weight"] == (512, 512, 3, 3)
+    assert len(shapes) == 32 and shapes["features.28.weight"] == (512, 512, 3, 3)
     assert shapes["classifier.0.weight"] == (4096, 25088)
     assert shapes["classifier.6.weight"] == (4, 4096)
     small = VggClassifier(divisor=64).state_dict()

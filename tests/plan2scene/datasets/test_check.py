@@ -23,8 +23,7 @@ HEADER = "house\tsplit\tplan\tassignment\tphotos\n"
 
 
 def small_house():
-    ring = ((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0))
-    rooms = (Room("a", ("Bedroom",), (ring,), 2.5),)
+    rooms = (Room("a", ("Bedroom",), (((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)),), 2.5),)
     return House("h1", rooms, tuple(walls_of_rooms(rooms)))
 
 
@@ -36,7 +35,6 @@ def table(tmp_path, text, name="h1.photoroom.csv"):
 
 @pytest.fixture
 def dataset(tmp_path):
-    """Return a data set of one house in the Rent3D++ layout, without a house table."""
     for folder in ("archs_no_objects/test", "photo_assignments/test", "photos", "data_lists"):
         (tmp_path / folder).mkdir(parents=True)
     write_scene_json(small_house(), tmp_path / "archs_no_objects/test/h1.scene.json")

@@ -13,8 +13,7 @@ def _hidden(listed, drop, house="h"):
 
 
 def test_fractions_of_the_list_are_the_list_s():
-    assert _hidden(LISTED, "0.0") == []
-    assert _hidden(LISTED, "0.2") == ["3.jpg", "7.jpg"]
+    assert _hidden(LISTED, "0.0") == [] and _hidden(LISTED, "0.2") == ["3.jpg", "7.jpg"]
     assert _hidden(LISTED, "0.6") == NAMES[2:8]
 
 

@@ -90,8 +90,7 @@ def test_the_path_may_be_of_the_copy_or_its_input_or_what_holds_data(copy, place
     assert layout.surface_crops.resolve() == (copy / "processed/surface_crops").resolve()
     assert layout.is_rent3dpp
     for row in table_of_lists(root).houses.values():
-        assert (layout.root / row.plan).is_file()
-        assert (layout.root / row.assignment).is_file()
+        assert (layout.root / row.plan).is_file() and (layout.root / row.assignment).is_file()
 
 
 def test_the_table_follows_the_copy_and_writes_nothing(copy):
@@ -107,8 +106,7 @@ def test_bare_and_full_plans(copy):
     for kind in ("bare", "full"):
         row = table_of(dataset(copy, architecture=kind))["home_test_0"]
         plans[kind] = read_plan(copy / row.plan, "home_test_0")
-    assert plans["bare"].rooms == plans["full"].rooms
-    assert plans["bare"].objects == ()
+    assert plans["bare"].rooms == plans["full"].rooms and plans["bare"].objects == ()
     assert len(plans["full"].objects) == len(drawn_icons(plans["bare"])) > 0
 
 

@@ -47,7 +47,6 @@ def noise(seed, level):
     return np.clip(rng.normal(level, 20, (SIZE, SIZE, 3)), 0, 255).astype(np.uint8)
 
 
-#: crop id, photo, room, surface, grey level
 CROPS = (
     ("a", "p1.jpg", "bed", "floor", 60),
     ("b", "p1.jpg", "bed", "floor", 110),

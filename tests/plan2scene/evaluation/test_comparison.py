@@ -21,8 +21,7 @@ HIDDEN = {"0.0": [], "0.6": ["p2.jpg"]}
 def compared(house, embeddings, compare, tmp_path_factory):
     """Return the house, what it shows at each drop, its tiles and its figures."""
     root = tmp_path_factory.mktemp("compared")
-    seams = {"crop": False, "naivesynth": True}
-    house = replace(house, settings=TextureSettings(5, 64, seams))
+    house = replace(house, settings=TextureSettings(5, 64, {"crop": False, "naivesynth": True}))
     drops = {}
     for drop, hidden in HIDDEN.items():
         surfaces, propagated = (root / f"{name}_{drop}.parquet" for name in ("seen", "all"))
@@ -34,7 +33,6 @@ def compared(house, embeddings, compare, tmp_path_factory):
 
 
 def _files(folder):
-    """Return the bytes of a folder's tiles and listing by name."""
     return {path.name: path.read_bytes() for path in folder.glob("*.*")}
 
 
@@ -72,8 +70,7 @@ def test_tiles_that_are_ready_are_taken(compared, compare, tmp_path):
     crop = next((folder / "0.0" / "crop").glob("*.png"))
     (tmp_path / "shown" / crop.name).write_bytes(crop.read_bytes())
     methods, tiles = ("crop", "exemplar"), tmp_path / "tiles"
-    only = {"0.0": drops["0.0"]}
-    compare(house, only, methods, tiles, images=3, ready=ready)
+    compare(house, {"0.0": drops["0.0"]}, methods, tiles, images=3, ready=ready)
     for method in methods:
         found, wanted = _files(tiles / "0.0" / method), _files(folder / "0.0" / method)
         changed = {name for name in wanted if found[name] != wanted[name]}

@@ -50,7 +50,6 @@ def _references(hidden):
 
 
 def _measured(house, tiles, observed, method, drop, model, hidden, more=()):
-    """Return the rows of a house's tiles by room/surface."""
     return measure_tiles(
         {SurfaceKey(*name.split("/")): image for name, image in tiles.items()},
         {SurfaceKey(*name.split("/")) for name in observed},
@@ -106,14 +105,12 @@ def results(tmp_path, model):
 
 
 def _rows(results, method, drop):
-    """Return the rows of both houses by a method at a drop."""
     paths = sorted(results.glob("houses/*/metrics.parquet"))
     frame = pd.concat([read_parquet(path)[0] for path in paths])
     return frame[(frame["method"] == method) & (frame["drop"] == drop)]
 
 
 def _rewritten(results, change):
-    """Replace each house's metrics by what a function makes of them."""
     for path in sorted(results.glob("houses/*/metrics.parquet")):
         frame, metadata = read_parquet(path)
         write_parquet(path, change(frame), metadata)
@@ -135,10 +132,8 @@ def test_table_counts_and_averages_the_right_surfaces(results):
     tidy, wide = _table(results, _request())
     assert len(wide) == len(METHODS) * 3
     assert wide["column"].tolist() == ["observed", "unobserved", "all"] * 2
-    assert wide["n"].tolist() == ["4", "2", "4"] * 2
-    assert (wide != "").all(axis=None)
-    assert wide.loc[0, "missing"] == "none"
-    assert wide["seed"].unique().tolist() == ["7"]
+    assert wide["n"].tolist() == ["4", "2", "4"] * 2 and (wide != "").all(axis=None)
+    assert wide.loc[0, "missing"] == "none" and wide["seed"].unique().tolist() == ["7"]
     cells = tidy.set_index(["method", "column", "metric"])["value"]
     frame = _rows(results, "synth", "0.6")
     unobserved = frame[~frame["observed"]]
@@ -159,8 +154,7 @@ def test_table_counts_and_averages_the_right_surfaces(results):
     # Only what is of one network's scale is subtracted.
     assert row["SUBS difference"] == row["FID difference"] == "other network"
     assert float(row["TILE difference"]) == pytest.approx(float(row["TILE"]) - 17.6, abs=1e-4)
-    assert row["images"] == row["n"]
-    assert f"numpy {np.__version__}" in row["packages"]
+    assert row["images"] == row["n"] and f"numpy {np.__version__}" in row["packages"]
     assert float(row["KID (embedded)"]) == pytest.approx(cells["synth", "all", "KID"], abs=1e-3)
     assert float(row["FID (embedded)"]) == pytest.approx(cells["synth", "all", "FID"], abs=1e-3)
     assert (results / "tables" / "t.png").stat().st_size > 5000
@@ -178,13 +172,11 @@ def test_a_method_that_the_paper_has_not_reads_none(results):
 
 def test_missing_houses_and_empty_columns_are_named(results):
     _rewritten(results, lambda f: f[(f["method"] != "synth") | (f["drop"] != "0.6")])
-    request = _request(houses=("h1", "h2", "h3"))
-    _, wide = _table(results, request)
+    _, wide = _table(results, _request(houses=("h1", "h2", "h3")))
     empty = wide[(wide["method"] == "synth") & (wide["column"] == "all")].iloc[0]
     assert (empty["n"], empty["houses"], empty["COLOR"]) == ("0", "0", "n=0")
     assert empty["missing"] == "h1 h2 h3"
-    assert wide.loc[0, "missing"] == "h3"
-    assert (wide != "").all(axis=None)
+    assert wide.loc[0, "missing"] == "h3" and (wide != "").all(axis=None)
 
 
 def test_metrics_of_two_networks_are_not_mixed(results):

@@ -31,7 +31,6 @@ HOUSES = [f"home_{i}" for i in range(7)]
 
 
 def _paint(folder, plan, level):
-    """Write textures of one grey level for every surface of a plan."""
     entries = {}
     for key in plan.surface_keys():
         write_png(folder / f"{key.filename}.png", np.full((16, 16, 3), level, np.uint8))
@@ -70,8 +69,7 @@ def test_every_pair_of_every_house_once_and_sides_even():
     asked = Counter((q["house"], frozenset((q["left"], q["right"]))) for q in questions)
     assert asked == {(h, frozenset(pair)): 1 for h in HOUSES for pair in PAIRS}
     for first, second in PAIRS:
-        left = sum((q["left"], q["right"]) == (first, second) for q in questions)
-        assert left in (3, 4)
+        assert sum((q["left"], q["right"]) == (first, second) for q in questions) in (3, 4)
     assert questions == make_questions(HOUSES, PAIRS, seed=3)
     other = make_questions(HOUSES, PAIRS, seed=4)
     assert [q["left"] for q in other] != [q["left"] for q in questions]
@@ -81,8 +79,7 @@ def test_every_pair_of_every_house_once_and_sides_even():
 def test_houses_are_drawn_by_seed():
     assert sorted(study_houses(HOUSES, 20, seed=0)) == HOUSES
     drawn = study_houses(HOUSES, 3, seed=0)
-    assert len(set(drawn)) == 3
-    assert drawn == study_houses(HOUSES[::-1], 3, seed=0)
+    assert len(set(drawn)) == 3 and drawn == study_houses(HOUSES[::-1], 3, seed=0)
 
 
 @pytest.fixture

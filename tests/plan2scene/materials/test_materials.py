@@ -18,19 +18,15 @@ def seam_ratio(image, axis):
 def test_every_kind_tiles_and_has_a_metric_size(substance, kind):
     for seed in range(3):
         material = random_material(substance, seed, kind=kind)
-        assert material.albedo.shape == (256, 256, 3)
-        assert material.albedo.dtype == np.uint8
+        assert material.albedo.shape == (256, 256, 3) and material.albedo.dtype == np.uint8
         assert (material.substance, material.kind) == (substance, kind)
-        assert 0.1 <= material.size_m <= 3.0
-        assert 0.0 < material.roughness <= 1.0
-        assert seam_ratio(material.albedo, 0) <= 1.3
-        assert seam_ratio(material.albedo, 1) <= 1.3
+        assert 0.1 <= material.size_m <= 3.0 and 0.0 < material.roughness <= 1.0
+        assert seam_ratio(material.albedo, 0) <= 1.3 and seam_ratio(material.albedo, 1) <= 1.3
 
 
 def test_same_seed_same_bytes_and_other_seed_other_material():
     first, again = random_material("wood", 5), random_material("wood", 5)
-    assert first.name == again.name
-    assert np.array_equal(first.albedo, again.albedo)
+    assert first.name == again.name and np.array_equal(first.albedo, again.albedo)
     assert random_material("wood", 6).name != first.name
 
 

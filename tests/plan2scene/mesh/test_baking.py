@@ -44,8 +44,7 @@ def test_parts_have_places_of_their_own(baked):
     assert occlusion.uv.keys() == parts.keys()
     taken = np.zeros(image.shape, int)
     for uv in occlusion.uv.values():
-        assert uv.min() >= 0
-        assert uv.max() <= 1
+        assert uv.min() >= 0 and uv.max() <= 1
         (left, top), (right, bottom) = uv.min(0), uv.max(0)
         rows = slice(round(top * image.shape[0]), int(np.ceil(bottom * image.shape[0] - 1e-6)))
         columns = slice(round(left * image.shape[1]), int(np.ceil(right * image.shape[1] - 1e-6)))

@@ -15,7 +15,6 @@ from plan2scene_app.pictures.house_pictures import draw_house
 
 @pytest.fixture
 def folder(gap_house, paint, tmp_path):
-    """Return a folder with scene.json and textures/ of a house."""
     write_scene_json(gap_house, tmp_path / "scene.json")
     (tmp_path / "textures").mkdir()
     entries = {}
@@ -51,8 +50,7 @@ def test_files_of_a_house(folder, gap_house, paint):
     assert Image.open(outputs[2]).size == (1600, 800)
     assert Image.open(outputs[3]).size == (2 * 428 + 8, 312 + 8)
     assert outputs[4].is_file() and outputs[5].is_file()  # also without photos
-    scene = trimesh.load(out / "house.glb")
-    assert scene.geometry["a/floor"].area == pytest.approx(12.0, rel=1e-4)
+    assert trimesh.load(out / "house.glb").geometry["a/floor"].area == pytest.approx(12.0, rel=1e-4)
     textures = scene_textures(out / "house.scene.json")
     for key, tile in paint(gap_house).items():
         assert textures[key] == (tile.png, tile.size_m)

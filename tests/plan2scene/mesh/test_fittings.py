@@ -11,7 +11,6 @@ from plan2scene.mesh.fittings import KINDS
 
 @pytest.fixture
 def room_of_four(shared_house):
-    """Return a house of one room, 3 x 4 m."""
     room = Room("r", ("Bathroom",), (((0.0, 0.0), (3.0, 0.0), (3.0, 4.0), (0.0, 4.0)),), 2.5)
     walls = [w for w in shared_house.walls if w.id.startswith("a_")]
     ring = room.rings[0]
@@ -73,7 +72,6 @@ def test_a_toilet_stands_with_its_back_to_the_wall_it_is_drawn_at(room_of_four, 
     assert high[1 - axis] - low[1 - axis] == pytest.approx(0.38, abs=1e-4)
     middle = (icon[0][1 - axis] + icon[1][1 - axis]) / 2
     assert (low + high)[1 - axis] / 2 == pytest.approx(middle, abs=1e-4)
-    # The cistern, the highest piece, is at the wall.
     top = part.mesh.vertices[part.mesh.vertices[:, 1] > 0.7][:, [0, 2]]
     assert np.abs(top[:, axis] - face).max() < 0.25
 
@@ -83,8 +81,7 @@ def test_stairs_fill_their_box_up_to_the_ceiling_in_steps_to_walk(room_of_four):
     assert part.extras["kind"] == "stairs"
     low, high = part.mesh.bounds
     assert low == pytest.approx([0.5, 0.0, 0.5]) and high == pytest.approx([1.4, 2.5, 3.5])
-    heights = np.unique(part.mesh.vertices[:, 1].round(4))
-    assert np.diff(heights).max() <= 0.19
+    assert np.diff(np.unique(part.mesh.vertices[:, 1].round(4))).max() <= 0.19
 
 
 def test_what_stands_in_no_room_is_left_out_with_a_warning(room_of_four, caplog):

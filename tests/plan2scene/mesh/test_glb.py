@@ -64,15 +64,13 @@ def test_materials_and_samplers(l_house, paint, tmp_path):
     assert embedded.rstrip(b"\0") in {tile.png for tile in textures.values()}  # views are padded
     extras = {node["name"]: node.get("extras") for node in document["nodes"]}
     assert extras["hall/floor"]["substance"] == "tile"
-    assert extras["hall/floor"]["observed"] is True
-    assert extras["hall/floor"]["size_m"] == 0.8
+    assert extras["hall/floor"]["observed"] is True and extras["hall/floor"]["size_m"] == 0.8
     assert document["scenes"][0]["extras"]["rooms"][0]["types"] == ["Entrance", "Reception"]
 
 
 def test_equal_tiles_are_embedded_once(l_house, paint, tmp_path):
     textures = paint(l_house)
-    floor = textures[SurfaceKey("hall", "floor")]
-    same = dict.fromkeys(textures, floor)
+    same = dict.fromkeys(textures, textures[SurfaceKey("hall", "floor")])
     write_glb(l_house, same, tmp_path / "house.glb")
     images = chunks(tmp_path / "house.glb")[0]["images"]
     assert [image["name"] for image in images] == ["hall_floor", "occlusion"]
@@ -135,8 +133,7 @@ def test_a_lamp_in_each_room_shines_down_as_far_as_its_room(tree, gap_house):
         reach = np.linalg.norm(np.array(corners) - node["translation"], axis=1).max()
         assert reach < light["range"]
     root = next(node for node in tree["nodes"] if node.get("name") == gap_house.id)
-    names = [tree["nodes"][child]["name"] for child in root["children"]]
-    assert {"a/lamp", "sun"} <= set(names)
+    assert {"a/lamp", "sun"} <= set([tree["nodes"][child]["name"] for child in root["children"]])
 
 
 def test_the_open_air_has_no_lamp_and_unlit_houses_none(gap_house, tmp_path):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 from glb_file import chunks
+from sample_houses import parts_of
 
 from plan2scene.house import SurfaceKey
 from plan2scene.images import write_png
@@ -26,9 +27,21 @@ def house(storey_house):
     return storey_house
 
 
+def two_levels(*rooms):
+    """Return a house of rooms (id, level, x0, x1) 4 m deep, on levels 2.8 m apart."""
+    levels = [{"id": "low", "elevation": 0.0}, {"id": "high", "elevation": 2.8}]
+    entries = [
+        {"id": name, "types": ["Bedroom"], "level": level}
+        | {"polygon": [[x0, 0], [x0, 4], [x1, 4], [x1, 0]]}
+        for name, level, x0, x1 in rooms
+    ]
+    plan = {"format": "plan2scene-plan", "version": 1, "levels": levels, "rooms": entries}
+    return house_of_plan(plan | {"wall_depth": 0.2}, "h")
+
+
 @pytest.fixture(scope="module")
 def parts(house):
-    return {part.name: part for part in assemble(house).parts}
+    return parts_of(house)
 
 
 def test_floors_and_ceilings_lie_at_their_level(house, parts):
@@ -52,8 +65,7 @@ def test_steps_reach_from_one_floor_to_the_next(parts):
     low, high = stairs.mesh.bounds
     assert (low[1], high[1]) == pytest.approx((0.0, 2.8))
     tops = np.unique(np.round(stairs.mesh.vertices[stairs.mesh.vertex_normals[:, 1] > 0.9, 1], 4))
-    assert len(tops) == 15
-    assert np.diff(tops) == pytest.approx(2.8 / 15, abs=1e-3)
+    assert len(tops) == 15 and np.diff(tops) == pytest.approx(2.8 / 15, abs=1e-3)
 
 
 @pytest.mark.parametrize(("seen", "covered"), [("landing", RED), ("hall", GREY), ("", RED)])
@@ -67,7 +79,7 @@ def test_steps_have_the_colour_of_the_floor_that_they_lead_to(house, tmp_path, s
         write_png(tmp_path / f"{SurfaceKey(room, 'floor').filename}.png", tile)
     write_json(tmp_path / "textures.json", {"method": "toy", "surfaces": surfaces})
     shown, _ = textured(tmp_path, house)
-    made = {part.name: part for part in assemble(shown).parts}["hall/stairs/stairs"]
+    made = parts_of(shown)["hall/stairs/stairs"]
     assert np.unique(made.colours, axis=0).tolist() == [list(covered)]
 
 
@@ -78,8 +90,7 @@ def test_one_sees_up_through_the_well_and_nowhere_else(parts):
     steps = [0.45, 2.81, 1.2]  # on the upper flight's end: nothing but the landing's ceiling
     assert rays.distances(np.array([steps]), up)[0] == pytest.approx(2.8 + 2.5 - 2.81, abs=1e-3)
     assert rays.distances(np.array([[1.8, 1.0, 3.0]]), up)[0] == pytest.approx(1.5, abs=1e-3)
-    over_foot = np.array([[0.45, 1.0, 4.4]])
-    assert rays.distances(over_foot, up)[0] == pytest.approx(5.3 - 1.0, abs=1e-3)
+    assert rays.distances(np.array([[0.45, 1.0, 4.4]]), up)[0] == pytest.approx(5.3 - 1.0, abs=1e-3)
 
 
 def test_a_railing_stands_around_the_well_but_at_its_head_and_the_wall(parts):
@@ -105,30 +116,16 @@ def test_walls_below_rooms_go_on_to_their_floor(parts):
 
 
 def test_no_wall_below_comes_out_of_a_floor_without_a_slab():
-    def room(name, level, x0, x1):
-        corners = [[x0, 0], [x0, 4], [x1, 4], [x1, 0]]
-        return {"id": name, "types": ["Bedroom"], "level": level, "polygon": corners}
-
-    levels = [{"id": "low", "elevation": 0.0}, {"id": "high", "elevation": 2.8}]
-    rooms = [room("a", "low", 0, 3), room("b", "low", 3, 7), room("over", "high", 0, 7)]
-    plan = {"format": "plan2scene-plan", "version": 1, "levels": levels, "rooms": rooms}
-    rays = Rays.of(assemble(house_of_plan(plan | {"wall_depth": 0.2}, "h")).parts)
+    house = two_levels(("a", "low", 0, 3), ("b", "low", 3, 7), ("over", "high", 0, 7))
+    rays = Rays.of(assemble(house).parts)
     above = np.array([[x, 2.9, 2.0] for x in np.linspace(2.8, 3.2, 9)])
-    down = np.tile([0.0, -1.0, 0.0], (9, 1))
-    assert rays.distances(above, down) == pytest.approx(0.1, abs=1e-4)
+    assert rays.distances(above, np.tile([0.0, -1.0, 0.0], (9, 1))) == pytest.approx(0.1, abs=1e-4)
 
 
 @pytest.mark.parametrize(("inset", "dark"), [(0.1, False), (0.8, True)])
 def test_a_narrow_ledge_below_the_next_storey_has_no_dark_cap(inset, dark):
-    def room(name, level, x0):
-        corners = [[x0, 0], [x0, 4], [4, 4], [4, 0]]
-        return {"id": name, "types": ["Bedroom"], "level": level, "polygon": corners}
-
-    levels = [{"id": "low", "elevation": 0.0}, {"id": "high", "elevation": 2.8}]
-    rooms = [room("low", "low", 0), room("high", "high", inset)]
-    plan = {"format": "plan2scene-plan", "version": 1, "levels": levels, "rooms": rooms}
-    parts = assemble(house_of_plan(plan | {"wall_depth": 0.2}, "h")).parts
-    (wall,) = [part for part in parts if part.name == "structure/wall/low_wall_0"]
+    house = two_levels(("low", "low", 0, 4), ("high", "high", inset, 4))
+    wall = parts_of(house)["structure/wall/low_wall_0"]
     ledge = (wall.mesh.vertices[:, 0] < inset - 0.25) & (wall.mesh.vertices[:, 1] > 2.4)
     ledge |= (wall.mesh.vertices[:, 0] < -0.15) & (wall.mesh.vertices[:, 1] > 2.4)
     assert (wall.colours[ledge] == CAP_COLOUR).all(axis=1).any() == dark
@@ -152,8 +149,7 @@ def test_what_juts_out_has_an_underside(house, parts):
     rooms = tuple(wide if room.id == "study" else room for room in house.rooms)
     walls = [wall for wall in house.walls if "study" not in wall.room_ids]
     walls += walls_of_rooms([wide], depth=0.12)
-    made = {p.name: p for p in assemble(replace(house, rooms=rooms, walls=tuple(walls))).parts}
-    under = made["structure/soffit/upper"].mesh
+    under = parts_of(replace(house, rooms=rooms, walls=tuple(walls)))["structure/soffit/upper"].mesh
     assert (under.face_normals[:, 1] < -0.99).all()
     assert under.area == pytest.approx(1.5 * 2.6 + 1.5 * 2 * 0.12, rel=0.01)
 
@@ -166,15 +162,14 @@ def balcony_house(gap_house):
 
 
 def test_a_balcony_has_no_ceiling_and_railings_on_its_free_sides(balcony_house):
-    parts = {part.name: part for part in assemble(balcony_house).parts}
+    parts = parts_of(balcony_house)
     assert "a/ceiling" in parts and "b/ceiling" not in parts
     assert {name for name in parts if "railing" in name} == {f"b/railing/b_w{k}" for k in (0, 1, 2)}
     assert "b/wall/b_w3" in parts  # the house's wall, with the door
     assert not any(name.startswith(("b/wall/b_w0", "structure/wall/b_w0")) for name in parts)
     for k in (0, 1, 2):
         mesh = parts[f"b/railing/b_w{k}"].mesh
-        assert mesh.bounds[1, 1] == pytest.approx(1.05)
-        assert mesh.volume > 0
+        assert mesh.bounds[1, 1] == pytest.approx(1.05) and mesh.volume > 0
     low, high = parts["b/railing/b_w1"].mesh.bounds[:, [0, 2]]
     assert high[1] - low[1] == pytest.approx(4.0, abs=1e-4)
     assert low[0] >= 6.0 - 1e-4 and high[0] < 6.1  # on the wall's line, outwards

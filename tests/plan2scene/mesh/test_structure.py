@@ -1,17 +1,14 @@
-import dataclasses
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import trimesh
+from sample_houses import parts_of, with_openings
 from shapely.geometry import Polygon
 
 from plan2scene.house import Door, House, Opening
 from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.structure import SKIRTING
-
-
-def by_name(house):
-    return {part.name: part for part in assemble(house).parts}
 
 
 def wall_area(wall):
@@ -26,37 +23,24 @@ def wall_area(wall):
 
 
 @pytest.mark.parametrize("name", ["l_house", "ring_house", "shared_house", "gap_house"])
-def test_areas(name, request):
+def test_surfaces_have_their_area_and_face_their_room(name, request):
     house = request.getfixturevalue(name)
-    parts = by_name(house)
-    for room in house.rooms:
-        area = Polygon(room.rings[0], room.rings[1:]).area
-        assert parts[f"{room.id}/floor"].mesh.area == pytest.approx(area, rel=1e-6)
-        assert parts[f"{room.id}/ceiling"].mesh.area == pytest.approx(area, rel=1e-6)
-    for wall in house.walls:
-        for room_id in wall.room_ids:
-            face = parts[f"{room_id}/wall/{wall.id}"]
-            assert face.mesh.area == pytest.approx(wall_area(wall), rel=2e-3)
-
-
-@pytest.mark.parametrize("name", ["l_house", "ring_house", "shared_house", "gap_house"])
-def test_surfaces_face_their_room(name, request):
-    house = request.getfixturevalue(name)
-    parts = by_name(house)
+    parts = parts_of(house)
     for room in house.rooms:
         polygon = Polygon(room.rings[0], room.rings[1:])
         floor, ceiling = (parts[f"{room.id}/{name}"].mesh for name in ("floor", "ceiling"))
+        assert floor.area == pytest.approx(polygon.area, rel=1e-6)
+        assert ceiling.area == pytest.approx(polygon.area, rel=1e-6)
         assert np.allclose(floor.vertex_normals, [0, 1, 0])
         assert np.allclose(ceiling.vertex_normals, [0, -1, 0])
         assert np.allclose(ceiling.vertices[:, 1], room.height)
         for wall in house.walls_of(room.id):
             face = parts[f"{room.id}/wall/{wall.id}"].mesh
+            assert face.area == pytest.approx(wall_area(wall), rel=2e-3)
             normal = face.vertex_normals[0, [0, 2]]
-            middle = (np.array(wall.start) + np.array(wall.end)) / 2
-            inside = middle + 0.05 * normal
+            inside = ((np.array(wall.start) + np.array(wall.end)) / 2) + 0.05 * normal
             assert polygon.contains(Polygon.from_bounds(*(inside - 1e-6), *(inside + 1e-6)))
-            distance = (face.vertices[:, [0, 2]] - np.array(wall.start)) @ normal
-            assert np.abs(distance).max() < 1e-3
+            assert np.abs((face.vertices[:, [0, 2]] - np.array(wall.start)) @ normal).max() < 1e-3
 
 
 def test_names_are_unique_and_complete(gap_house):
@@ -67,29 +51,24 @@ def test_names_are_unique_and_complete(gap_house):
 
 
 def test_a_door_drawn_once_is_cut_in_the_other_room_too(gap_house):
-    walls = tuple(
-        dataclasses.replace(w, openings=()) if w.id == "b_w3" else w for w in gap_house.walls
-    )
+    walls = tuple(replace(w, openings=()) if w.id == "b_w3" else w for w in gap_house.walls)
     once = House("once", gap_house.rooms, walls, (Door("a", "ha", "b"),))
-    full = by_name(once)["b/wall/b_w3"].mesh.area
-    assert full == pytest.approx(4.0 * 2.5 - 0.8 * 2.0, rel=1e-3)
-    alone = dataclasses.replace(once, doors=(Door("a", "ha", None),))
-    assert by_name(alone)["b/wall/b_w3"].mesh.area == pytest.approx(4.0 * 2.5, rel=1e-3)
+    assert parts_of(once)["b/wall/b_w3"].mesh.area == pytest.approx(4.0 * 2.5 - 0.8 * 2.0, rel=1e-3)
+    alone = replace(once, doors=(Door("a", "ha", None),))
+    assert parts_of(alone)["b/wall/b_w3"].mesh.area == pytest.approx(4.0 * 2.5, rel=1e-3)
 
 
 def test_outer_face_has_the_hole(l_house):
-    part = by_name(l_house)["structure/wall/hall_w0"]
-    outer = part.mesh.vertex_normals[:, 2] < -0.99
-    faces = part.mesh.faces[outer[part.mesh.faces[:, 0]]]
+    part = parts_of(l_house)["structure/wall/hall_w0"]
+    faces = part.mesh.faces[(part.mesh.vertex_normals[:, 2] < -0.99)[part.mesh.faces[:, 0]]]
     at = part.mesh.vertices[faces].mean(axis=1)
     low = at[(at[:, 1] < 2.5) & (np.abs(at[:, 2] + 0.1) < 1e-6)]
     assert len(low) > 0
-    in_door = (low[:, 0] > 1.05) & (low[:, 0] < 1.85) & (low[:, 1] < 2.0)
-    assert not in_door.any()
+    assert not ((low[:, 0] > 1.05) & (low[:, 0] < 1.85) & (low[:, 1] < 2.0)).any()
 
 
 def test_uv_runs_on_round_the_corner_in_metres(l_house):
-    parts = by_name(l_house)
+    parts = parts_of(l_house)
     first, second = parts["hall/wall/hall_w0"], parts["hall/wall/hall_w1"]
 
     def u_at(part, x, z, y):
@@ -109,7 +88,7 @@ def test_uv_runs_on_round_the_corner_in_metres(l_house):
 
 def test_doors_and_windows_are_closed_solids(l_house):
     """Frames, leaves, handles and sills: boxes that face outwards, so their volume counts up."""
-    parts = by_name(l_house)
+    parts = parts_of(l_house)
     for name, boxes in (("hall/door/front", 10), ("hall/window/win", 5)):
         mesh = parts[name].mesh.copy()
         assert len(mesh.faces) == 12 * boxes
@@ -128,13 +107,9 @@ def test_doors_and_windows_are_closed_solids(l_house):
     ("kind", "made"), [("Bathroom", {"window"}), ("Balcony", {"window", "glass"})]
 )
 def test_a_window_between_two_rooms_is_a_hatch_unless_one_is_outside(gap_house, kind, made):
-    def glazed(wall):
-        openings = tuple(dataclasses.replace(o, kind="window", bottom=1.0) for o in wall.openings)
-        return dataclasses.replace(wall, openings=openings)
-
-    walls = tuple(glazed(wall) for wall in gap_house.walls)
-    rooms = gap_house.rooms[0], dataclasses.replace(gap_house.rooms[1], types=(kind,))
-    parts = assemble(dataclasses.replace(gap_house, rooms=rooms, walls=walls, doors=())).parts
+    house = with_openings(gap_house, kind="window", bottom=1.0)
+    rooms = house.rooms[0], replace(house.rooms[1], types=(kind,))
+    parts = assemble(replace(house, rooms=rooms, doors=())).parts
     found = [part.extras for part in parts if part.extras["kind"] in ("window", "glass")]
     assert {e["kind"] for e in found} == made
     assert all({e["room_id"], e["leads_to"]} == {"a", "b"} for e in found)
@@ -146,39 +121,18 @@ def test_a_window_between_two_rooms_is_a_hatch_unless_one_is_outside(gap_house, 
 )
 def test_the_door_of_a_lived_in_room_to_a_balcony_is_of_glass(gap_house, kinds, glazed):
     rooms = (
-        dataclasses.replace(room, types=(kind,))
-        for room, kind in zip(gap_house.rooms, kinds, strict=True)
+        replace(room, types=(kind,)) for room, kind in zip(gap_house.rooms, kinds, strict=True)
     )
-    parts = assemble(dataclasses.replace(gap_house, rooms=tuple(rooms))).parts
+    parts = assemble(replace(gap_house, rooms=tuple(rooms))).parts
     panes = [part for part in parts if part.extras["kind"] == "glass"]
     assert bool(panes) is glazed
     for pane in panes:
         assert pane.mesh.bounds[0][1] < 0.1 and pane.mesh.bounds[1][1] > 1.9  # down to the floor
 
 
-@pytest.mark.parametrize(("end", "glazed"), [(2.6, True), (1.8, False)])
-def test_a_wide_door_to_the_outside_is_of_glass(gap_house, end, glazed):
-    walls = tuple(
-        dataclasses.replace(
-            wall, openings=tuple(dataclasses.replace(o, end=end) for o in wall.openings)
-        )
-        for wall in gap_house.walls
-        if wall.room_ids == ("a",)
-    )
-    door = (Door("a", "ha", None),)
-    alone = dataclasses.replace(gap_house, rooms=gap_house.rooms[:1], walls=walls, doors=door)
-    assert any(part.extras["kind"] == "glass" for part in assemble(alone).parts) is glazed
-
-
-@pytest.mark.parametrize(("top", "made"), [(2.0, {"passage"}), (None, set())])
+@pytest.mark.parametrize(("top", "made"), [(2.0, {"passage"}), (2.5, set())])
 def test_a_passage_up_to_the_ceiling_has_no_lining_and_no_cap(gap_house, top, made):
-    def opened(wall):
-        openings = tuple(
-            dataclasses.replace(o, kind="passage", top=top or wall.height) for o in wall.openings
-        )
-        return dataclasses.replace(wall, openings=openings)
-
-    house = dataclasses.replace(gap_house, walls=tuple(opened(wall) for wall in gap_house.walls))
+    house = with_openings(gap_house, kind="passage", top=top)
     assert house.passages() == (("a", "b", pytest.approx(0.8)), ("b", "a", pytest.approx(0.8)))
     assert gap_house.passages() == ()
     parts = assemble(house).parts
@@ -186,28 +140,25 @@ def test_a_passage_up_to_the_ceiling_has_no_lining_and_no_cap(gap_house, top, ma
     over = np.array([[3.05, 9.0, 1.4]])  # the middle of the passage, from above
     caps = trimesh.util.concatenate([p.mesh for p in parts if p.extras["kind"] == "structure"])
     faces = caps.ray.intersects_first(over, np.array([[0.0, -1.0, 0.0]]))
-    normals = caps.face_normals[faces[faces >= 0]]
-    assert bool((normals[:, 1] > 0.9).any()) == bool(made)
+    assert bool((caps.face_normals[faces[faces >= 0]][:, 1] > 0.9).any()) == bool(made)
 
 
 def test_a_leaf_opens_into_the_room_with_fewer_doors(gap_house):
     def reach(house):
-        points = by_name(house)["a/door/ha"].mesh.vertices[:, 0]
+        points = parts_of(house)["a/door/ha"].mesh.vertices[:, 0]
         return 3.0 - points.min(), points.max() - 3.1
 
     into_a = reach(gap_house)
     walls = list(gap_house.walls)
-    front = Opening("front", "door", 1.0, 1.8, 0.0, 2.0)
-    walls[3] = dataclasses.replace(walls[3], openings=(front,))
-    into_b = reach(dataclasses.replace(gap_house, walls=tuple(walls)))
+    walls[3] = replace(walls[3], openings=(Opening("front", "door", 1.0, 1.8, 0.0, 2.0),))
+    into_b = reach(replace(gap_house, walls=tuple(walls)))
     assert into_a[0] > 0.3 > into_a[1] and into_b[1] > 0.3 > into_b[0]
 
 
 @pytest.mark.parametrize(("key", "in_b"), [("a", 0.0), ("", 1.0)])
 def test_trim_has_the_colour_that_its_room_is_set_to(gap_house, key, in_b):
-    rooms = tuple(dataclasses.replace(room, types=("Bedroom",)) for room in gap_house.rooms)
-    trim = ((key, (32, 64, 96)),)
-    parts = by_name(dataclasses.replace(gap_house, rooms=rooms, trim_colours=trim))
+    rooms = tuple(replace(room, types=("Bedroom",)) for room in gap_house.rooms)
+    parts = parts_of(replace(gap_house, rooms=rooms, trim_colours=((key, (32, 64, 96)),)))
     blue = {
         n: (p.colours == (32, 64, 96)).all(axis=1).mean() for n, p in parts.items() if p.uv is None
     }
@@ -217,7 +168,7 @@ def test_trim_has_the_colour_that_its_room_is_set_to(gap_house, key, in_b):
 
 
 def test_boards_are_as_long_as_the_walls_less_the_door(l_house):
-    mesh = by_name(l_house)["hall/skirting"].mesh
+    mesh = parts_of(l_house)["hall/skirting"].mesh
     low, high = mesh.bounds
     assert (low[1], high[1]) == (0.0, pytest.approx(SKIRTING.height))
     # Boxes overlap in the corners, so the volume is of the lengths, not of a union.
@@ -226,7 +177,7 @@ def test_boards_are_as_long_as_the_walls_less_the_door(l_house):
 
 
 def test_no_board_crosses_a_door_and_bathrooms_have_none(gap_house):
-    parts = by_name(gap_house)
+    parts = parts_of(gap_house)
     places = [[2.5, SKIRTING.height / 2, z] for z in (1.4, 3.0)]
     hit = parts["a/skirting"].mesh.ray.intersects_any(places, [[1.0, 0.0, 0.0]] * 2)
     assert hit.tolist() == [False, True]

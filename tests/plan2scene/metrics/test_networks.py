@@ -64,8 +64,7 @@ def test_inception_is_the_network_of_the_reference(inception_state, classes, tmp
     assert network_name(tmp_path / "w.safetensors") == "inception"
     (features,) = features_of(tmp_path / "w.safetensors", [image])
     first, mean, deviation = REFERENCE[classes]
-    assert features.shape == (2048,)
-    assert np.allclose(features[:5], first, atol=1e-5)
+    assert features.shape == (2048,) and np.allclose(features[:5], first, atol=1e-5)
     assert features.mean() == pytest.approx(mean, abs=1e-5)
     assert features.std() == pytest.approx(deviation, abs=1e-5)
 
@@ -104,10 +103,8 @@ def test_vgg_tells_substances(small_vgg):
     path, net = small_vgg
     images = _images(11)
     with torch.no_grad():
-        rgb = torch.from_numpy(np.stack(images)).permute(0, 3, 1, 2).float()
-        expected = net(rgb).argmax(dim=1)
+        expected = net(torch.from_numpy(np.stack(images)).permute(0, 3, 1, 2).float()).argmax(dim=1)
     found = substances_of(path, images)
-    assert found.dtype == np.int64
-    assert np.array_equal(found, expected)
+    assert found.dtype == np.int64 and np.array_equal(found, expected)
     assert len(set(found.tolist())) > 1
     assert substances_of(path, []).shape == (0,)

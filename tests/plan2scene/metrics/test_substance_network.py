@@ -34,8 +34,7 @@ def test_a_file_gives_the_same_network_back(network, tmp_path):
             value.copy_(value.half().float())
     with torch.inference_mode():
         expected, logits = network(torch.from_numpy(images).permute(0, 3, 1, 2) / 255)
-    assert features.shape == (18, 5)
-    assert np.allclose(features, expected.numpy(), atol=1e-5)
+    assert features.shape == (18, 5) and np.allclose(features, expected.numpy(), atol=1e-5)
     assert np.array_equal(classes, logits.argmax(dim=1).numpy())
 
 

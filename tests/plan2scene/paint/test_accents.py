@@ -109,7 +109,6 @@ def test_a_white_wall_is_the_accent_of_a_room_of_a_colour(tmp_path):
 
 @pytest.mark.parametrize("asked", [True, False])
 def test_an_accent_wall_has_its_own_paint_in_the_house(gap_house, tmp_path, asked):
-    # Ids of walls may have dots.
     walls = tuple(replace(wall, id=f"{wall.id}.1.a") for wall in gap_house.walls)
     house = replace(gap_house, walls=walls)
     wall = next(w.id for w in house.walls if w.room_ids == ("a",))
@@ -120,8 +119,7 @@ def test_an_accent_wall_has_its_own_paint_in_the_house(gap_house, tmp_path, aske
     planes += [seen(f"p{k}.jpg", "", WHITE, surface="ceiling") for k in (0, 1)]
     files = tmp_path / "colours.parquet", tmp_path / "materials.parquet", tmp_path / "paint.parquet"
     write_colours(files[0], planes, dataset="d", house_id="h")
-    materials = pd.DataFrame({"room_id": [], "surface": [], "material": []})
-    write_parquet(files[1], materials, {})
+    write_parquet(files[1], pd.DataFrame({"room_id": [], "surface": [], "material": []}), {})
     write_paint(*files, dataset="d", house="h", accents=asked)
     table, metadata = read_parquet(files[2])
     odd = table[table["surface"] == "wall"].assign(surface="wall.a/../../x")  # no name of a file

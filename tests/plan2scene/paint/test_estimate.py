@@ -200,8 +200,7 @@ def test_trim_is_of_wood_where_frames_of_windows_are(tmp_path, frame, trim):
     shown = frame_colours(image, labels, labels == OTHER, "p", "a")
     path = tmp_path / "colours.parquet"
     write_colours(path, shown, dataset="d", house_id="h")
-    found = trim_paint(path, {"p": np.ones(3)})
-    assert (found is not None) is trim
+    assert (trim_paint(path, {"p": np.ones(3)}) is not None) is trim
     assert not observations_of(path)
 
 

@@ -23,7 +23,6 @@ def test_shadow_and_glare_do_not_move_the_usual_colour():
     floor[:4], floor[-3:] = 0.02, 0.9
     shares = np.repeat(floor[:, None], 3, axis=1)
     assert usual_colour([shares], [1.0]) == pytest.approx(np.full(3, 0.2), abs=0.01)
-    # The heavier of two photos has its way.
     dark = np.full((32, 3), 0.05)
     assert usual_colour([dark, shares], [1.0, 3.0]) == pytest.approx(np.full(3, 0.2), abs=0.01)
     assert usual_colour([dark, shares], [3.0, 1.0]) == pytest.approx(np.full(3, 0.05), abs=0.01)

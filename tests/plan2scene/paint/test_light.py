@@ -102,6 +102,5 @@ def test_a_red_carpet_that_becomes_green_has_no_blotches(own_green):
     green = np.array([0.05, 0.2, 0.15])
     painted = srgb_to_linear(recoloured(tile, linear_to_srgb(green)))
     assert np.median(painted, axis=(0, 1)) == pytest.approx(green, rel=0.1)
-    of_red = painted / painted[..., :1]
-    assert of_red.std(axis=(0, 1)) == pytest.approx(np.zeros(3), abs=0.1)
+    assert (painted / painted[..., :1]).std(axis=(0, 1)) == pytest.approx(np.zeros(3), abs=0.1)
     assert np.corrcoef(painted[..., 1].ravel(), bright.ravel())[0, 1] > 0.95

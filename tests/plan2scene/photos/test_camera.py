@@ -63,8 +63,7 @@ def test_rotation_and_focal_of_a_checkered_room(heading, pitch, roll, fov):
     truth = rotation_of(heading, pitch, roll)
     image, focal = checker_room((heading, pitch, roll), fov)
     camera = estimate_camera(image)
-    assert not camera.fallback
-    assert camera.focal_source == "vanishing_points"
+    assert not camera.fallback and camera.focal_source == "vanishing_points"
     assert angle_deg(camera.matrix, truth) < 0.5
     assert abs(camera.focal_px / focal - 1) < 0.02
 
@@ -82,8 +81,7 @@ def test_exif_gives_the_focal_length_of_a_one_point_view():
     truth = rotation_of(0.0, 0.0, 0.0)
     image, focal = checker_room((0.0, 0.0, 0.0), 70.0, eye=(0.0, 1.3, -2.0))
     camera = estimate_camera(image, exif=ExifFocal(focal))
-    assert camera.focal_source == "exif"
-    assert camera.focal_px == pytest.approx(focal, abs=1e-3)
+    assert camera.focal_source == "exif" and camera.focal_px == pytest.approx(focal, abs=1e-3)
     assert angle_deg(camera.matrix, truth) < 0.5
     assert camera.confidence >= CAMERA.high_confidence
 
@@ -94,8 +92,7 @@ def test_exif_goes_before_vanishing_points_unless_they_contradict_it():
     assert near.focal_source == "exif"
     assert near.focal_px == pytest.approx(1.08 * focal, abs=1e-3)
     far = estimate_camera(image, exif=ExifFocal(1.5 * focal))
-    assert far.focal_source == "vanishing_points"
-    assert abs(far.focal_px / focal - 1) < 0.02
+    assert far.focal_source == "vanishing_points" and abs(far.focal_px / focal - 1) < 0.02
     told = estimate_camera(image, exif=ExifFocal(1.5 * focal, told=True))
     assert told.focal_px == pytest.approx(1.5 * focal, abs=1e-3)
     cropped = estimate_camera(image, exif=ExifFocal(1.08 * focal, cropped=True))
@@ -105,8 +102,7 @@ def test_exif_goes_before_vanishing_points_unless_they_contradict_it():
 
 def test_no_lines_fall_back_to_the_constant_field_of_view():
     camera = estimate_camera(np.full((120, 160, 3), 128, np.uint8), fov_deg=60.0)
-    assert camera.fallback
-    assert camera.focal_source == "config"
+    assert camera.fallback and camera.focal_source == "config"
     assert camera.confidence == 0.0
     assert camera.focal_px == pytest.approx(80 / np.tan(np.radians(30)), abs=1e-3)
     np.testing.assert_array_equal(camera.matrix, np.diag([-1.0, -1.0, 1.0]))

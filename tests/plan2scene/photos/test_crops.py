@@ -44,8 +44,7 @@ def checkered_floor(camera, height=1.5, cell=0.25):
     """A photo of a checkered floor (cells of `cell` m along x and z) and the floor's plane."""
     rays = camera.rays_at(*np.indices(SIZE))
     down = rays[..., 1] < -0.05
-    reach = np.where(down, -height / np.where(down, rays[..., 1], -1.0), 0.0)
-    point = rays * reach[..., None]
+    point = rays * np.where(down, -height / np.where(down, rays[..., 1], -1.0), 0.0)[..., None]
     odd = (np.floor(point[..., 0] / cell) + np.floor(point[..., 2] / cell)).astype(int) % 2
     image = np.where(down, np.where(odd, 70, 200), 128).astype(np.uint8)
     plane = Plane("floor", 0, (0.0, 1.0, 0.0), -height, down, "camera_height")
@@ -121,7 +120,6 @@ def inputs(tmp_path):
     return tmp_path
 
 
-#: The files of the stage.
 FILES = [f"{name}.parquet" for name in ("crops", "candidates", "planes", "colours")]
 FILES.append("light.json")
 
@@ -140,8 +138,7 @@ def test_stage_rows_and_round_trip(house, inputs):
     run(house, inputs, {"a.png": ["room1", "room2"], "gone.png": ["room1"]})
     frame, metadata = read_parquet(inputs / "crops.parquet")
     assert metadata["house"] == "h1"
-    assert list(frame.columns) == list(COLUMNS)
-    assert len(frame) == 20
+    assert list(frame.columns) == list(COLUMNS) and len(frame) == 20
     assert set(frame.photo) == {"a.png"}
     assert frame.groupby(["room_id", "surface"]).medoid.sum().tolist() == [1, 1]
     first = frame.iloc[0]
@@ -175,8 +172,7 @@ def test_candidates_have_corners_on_the_photo(house, inputs):
     assert metadata["house"] == "h1"
     assert list(table.columns) == list(CANDIDATE_COLUMNS)
     kept = table[table.crop_id != ""]
-    assert kept.crop_id.tolist() == crops.crop_id.tolist()
-    assert (kept.reason == "").all()
+    assert kept.crop_id.tolist() == crops.crop_id.tolist() and (kept.reason == "").all()
     camera, image = looking(), cv2.imread(str(inputs / "a.png"))
     row = kept.iloc[0]
     x0, z0, x1, z1 = row.window
@@ -187,8 +183,7 @@ def test_candidates_have_corners_on_the_photo(house, inputs):
     for (x, y), (r, c) in zip(corners, ((0, 0), (0, 127), (127, 127), (127, 0)), strict=True):
         inner = corners.mean(axis=0) * 0.1 + np.array([x, y]) * 0.9
         near = image[round(inner[1]), round(inner[0]), 0].astype(int)
-        pixel = png[abs(r - 6), abs(c - 6), 0].astype(int)
-        assert abs(near - pixel) < 70
+        assert abs(near - png[abs(r - 6), abs(c - 6), 0].astype(int)) < 70
 
 
 def test_a_surface_of_many_photos_has_a_share_of_each(tmp_path):
@@ -201,8 +196,7 @@ def test_a_surface_of_many_photos_has_a_share_of_each(tmp_path):
     ]
     files = tmp_path / "crops.parquet", tmp_path / "candidates.parquet"
     crops = write_tables(candidates, *files, dataset="d", house_id="h")
-    assert len(crops) == MOST
-    assert set(crops.groupby("photo").size()) == {5}
+    assert len(crops) == MOST and set(crops.groupby("photo").size()) == {5}
     table, _ = read_parquet(files[1])
     assert table.reason.value_counts().to_dict() == {"": MOST, ENOUGH: MOST, "not sharp": 12}
 
@@ -266,10 +260,8 @@ def test_masks_survive_as_polygons():
 def test_house_without_photos_has_an_empty_table(house, inputs):
     run(house, inputs, {})
     frame, _ = read_parquet(inputs / "crops.parquet")
-    assert len(frame) == 0
-    assert list(frame.columns) == list(COLUMNS)
-    assert frame["metres"].dtype == np.float64
-    assert frame["medoid"].dtype == bool
+    assert len(frame) == 0 and list(frame.columns) == list(COLUMNS)
+    assert frame["metres"].dtype == np.float64 and frame["medoid"].dtype == bool
 
 
 def test_a_photo_of_another_size_than_its_mask(house, inputs):
@@ -281,17 +273,14 @@ def test_a_photo_of_another_size_than_its_mask(house, inputs):
 def test_precomputed_crops(house, tmp_path):
     rng = np.random.default_rng(0)
     for name in ("floor/x_1_0_crop2", "wall/x_1_7_crop0", "wall/other_0_crop0"):
-        image = rng.integers(0, 255, (128, 128, 3)).astype(np.uint8)
-        write_png(tmp_path / f"{name}.png", image)
+        write_png(tmp_path / f"{name}.png", rng.integers(0, 255, (128, 128, 3)).astype(np.uint8))
     out = files_in(tmp_path)
     made = read_precomputed_crops(house, {"x_1.jpg": ["room1"]}, tmp_path)
     frame = write_crops(made, out, dataset="d", house_id="h1")
     assert frame.crop_id.tolist() == ["floor/x_1_0_crop2", "wall/x_1_7_crop0"]
-    assert frame.plane.tolist() == [0, 7]
-    assert frame.metres.isna().all()
+    assert frame.plane.tolist() == [0, 7] and frame.metres.isna().all()
     assert frame.medoid.all()
-    read = read_parquet(out.crops)[0]
-    pd.testing.assert_series_equal(read.crop_id, frame.crop_id)
+    pd.testing.assert_series_equal(read_parquet(out.crops)[0].crop_id, frame.crop_id)
     write_png(tmp_path / "floor/x_1_0_crop3.png", np.zeros((64, 64, 3), np.uint8))
     with pytest.raises(InputError, match="128x128"):
         read_precomputed_crops(house, {"x_1.jpg": ["room1"]}, tmp_path)

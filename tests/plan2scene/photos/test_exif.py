@@ -10,7 +10,6 @@ EQUIVALENT = Tag.FocalLengthIn35mmFilm
 
 
 def photo(path, tags, size=SIZE, orientation=1):
-    """Write a photo with tags of the Exif block."""
     exif = Image.Exif()
     exif[Tag.Orientation] = orientation
     exif.get_ifd(ExifTags.IFD.Exif).update(tags)
@@ -40,8 +39,7 @@ def test_absurd_values_are_refused_with_a_line(tmp_path, equivalent):
 
 
 def test_damage_never_raises(tmp_path):
-    file = photo(tmp_path / "a.jpg", {EQUIVALENT: 26, **noted(4000, 3000)})
-    good = file.read_bytes()
+    good = photo(tmp_path / "a.jpg", {EQUIVALENT: 26, **noted(4000, 3000)}).read_bytes()
     rng = np.random.default_rng(0)
     for index in range(60):
         data = bytearray(good[: 300 if index % 3 else None])

@@ -58,8 +58,7 @@ def test_a_file_holds_no_weights_of_imagenet_and_the_labeller_takes_it_beside_it
     image = np.random.default_rng(0).integers(0, 256, (48, 64, 3), dtype=np.uint8)
     found = labeller("imagenet", model=own, imagenet=added).label("a", image, None)
     alone = labeller("embedded", model=own).label("a", image, None)
-    wanted = Segmenter(ensemble, more)
-    assert np.array_equal(found.labels, wanted.labels(image))
+    assert np.array_equal(found.labels, Segmenter(ensemble, more).labels(image))
     assert not np.allclose(found.probabilities, alone.probabilities, atol=0.01)
 
 

@@ -54,8 +54,7 @@ def test_a_photo_is_found_where_it_was_taken(heading_deg, eye):
     house = box_house()
     photo, true = shot(house, heading_deg, eye)
     pose = locate_shots(house, {"a.jpg": photo}).poses["a.jpg"]
-    assert pose.room_id == "room"
-    assert pose.believed
+    assert pose.room_id == "room" and pose.believed
     np.testing.assert_allclose(pose.camera.matrix, true.matrix, atol=1e-6)
     np.testing.assert_allclose(pose.eye, eye, atol=0.08)
 
@@ -66,8 +65,7 @@ def test_an_empty_square_room_tells_no_heading():
     pose = locate_shots(house, {"a.jpg": photo}).poses["a.jpg"]
     assert not pose.believed
     entry = pose_to_json(photo.camera, pose)
-    assert entry["room_id"] is None
-    assert entry["position"] is None
+    assert entry["room_id"] is None and entry["position"] is None
     assert entry["located"] == pytest.approx(pose.located, abs=1e-4)
     assert pose_from_json(entry) is None
 
@@ -142,8 +140,7 @@ def test_the_stage_writes_every_camera(tmp_path):
     np.testing.assert_allclose(found["a.jpg"].camera.matrix, true.matrix, atol=1e-6)
     # Doors and windows of the mask count: it says more than one without them.
     plain = Shot(photo.camera, without_openings(photo.labels), ("room",))
-    alone = locate_shots(house, {"a.jpg": plain}).poses["a.jpg"]
-    assert found["a.jpg"].located > alone.located
+    assert found["a.jpg"].located > locate_shots(house, {"a.jpg": plain}).poses["a.jpg"].located
 
 
 def test_the_room_of_a_photo_is_found_or_asked_for(tmp_path, caplog):
@@ -199,14 +196,12 @@ def test_the_room_of_a_photo_is_found_or_asked_for(tmp_path, caplog):
     rows[2] = "store,a.jpg,0.47,0.47,store"
     assert placed.read_text().splitlines() == rows
     assert read_assignment(placed, house) == (("store", "b.jpg"), ("", "a.jpg"))
-    # A house of which no photo finds its place is made all the same.
     assert write_photo_rooms(house, {"b.jpg": []}, output, rooms, placed) == {}
     assert read_assignment(placed, house) == (PhotoAssignment("", "b.jpg"),)
 
 
 def test_a_window_that_is_seen_through_an_open_door_counts():
     house, pose, labels, ends = open_door_view()
-    # The store's far wall has a window, which the photo shows.
     far = WIDE + 2.1
     hole = Opening("far", "window", 0.4, 1.6, 1.0, 1.9)
     wall = Wall("far", ("store",), (far, 0.0), (far, 2.0), HEIGHT, openings=(hole,))
@@ -217,8 +212,7 @@ def test_a_window_that_is_seen_through_an_open_door_counts():
     with_window = replace(house, walls=(*house.walls, wall))
 
     def score(plan, mask):
-        table = log_table(openings=True)
-        profile = make_profile(mask, pose.camera, table, LOCATE.fine_blur, None)
+        profile = make_profile(mask, pose.camera, log_table(openings=True), LOCATE.fine_blur, None)
         eyes = np.tile(np.array(pose.eye)[[0, 2]], (len(profile.azimuth), 1))
         sight = look(room_shapes(plan), "room", eyes, profile.azimuth)
         return float(agreement(profile, room_shapes(plan), "room", sight, pose.eye[1:2])[0, 0])

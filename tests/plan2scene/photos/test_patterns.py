@@ -20,9 +20,7 @@ SIZE_PX = round(SIDE_M * JOINTS.px_per_m)
 
 
 def floor(columns, rows, offset, seed):
-    """Return a floor of rows of units."""
-    offsets = np.arange(rows) * offset
-    return made_of(bonds.bond(SIZE_PX, columns, rows, SIDE_M, offsets), seed)
+    return made_of(bonds.bond(SIZE_PX, columns, rows, SIDE_M, (np.arange(rows) * offset)), seed)
 
 
 def made_of(layout, seed, *, turned=False, joint=0.2):
@@ -60,16 +58,14 @@ def test_size_kind_and_direction_are_those_of_the_floor(columns, rows, offset):
     assert found.width_m == pytest.approx(SIDE_M / rows, rel=0.04)
     assert found.length_m == pytest.approx(SIDE_M / columns, rel=0.04)
     assert found.direction_deg == pytest.approx(25.0, abs=1.5)
-    assert abs((found.offset - offset + 0.5) % 1.0 - 0.5) < 0.08
-    assert found.confidence > 0.6
+    assert abs((found.offset - offset + 0.5) % 1.0 - 0.5) < 0.08 and found.confidence > 0.6
 
 
 @pytest.mark.parametrize(("looks", "kind"), [((0.8, 0.1), "planks"), ((0.1, 0.8), "tiles")])
 def test_looks_part_planks_from_tiles_of_one_shape(looks, kind):
     image = floor(12, 24, 0.5, seed=1)
     found, _ = find_pattern([view(image, 25.0), view(image, 25.5)], looks)
-    assert found.kind == kind
-    assert np.isnan(found.length_m) == (kind == "planks")
+    assert found.kind == kind and np.isnan(found.length_m) == (kind == "planks")
 
 
 @pytest.mark.parametrize(("looks", "kind"), [((0.8, 0.1), "planks"), ((0.05, 0.6), "plain")])
@@ -82,12 +78,10 @@ def test_stripes_without_ends_are_planks_on_wood_and_shadows_on_other_floors(loo
 
 
 def test_wood_whose_joints_hardly_show_has_planks_all_the_same():
-    offsets = np.random.default_rng(1).uniform(0, 1, 28)
-    layout = bonds.bond(SIZE_PX, 2, 28, SIDE_M, offsets)
+    layout = bonds.bond(SIZE_PX, 2, 28, SIDE_M, np.random.default_rng(1).uniform(0, 1, 28))
     image = made_of(layout, seed=3, turned=True, joint=0.07)
     found, _ = find_pattern([view(image, 30.0), view(image, 31.0)])
-    assert found.kind == "planks"
-    assert found.width_m == pytest.approx(SIDE_M / 28, rel=0.05)
+    assert found.kind == "planks" and found.width_m == pytest.approx(SIDE_M / 28, rel=0.05)
     assert found.confidence < 0.99
 
 
@@ -97,15 +91,13 @@ def test_what_has_no_joints_has_no_pattern(substance, kind):
     image = cv2.resize(material.albedo / 255.0, (SIZE_PX, SIZE_PX), interpolation=cv2.INTER_AREA)
     seen = view(image, 10.0)
     found, _ = find_pattern([seen], looks=(0.2, 0.1))
-    assert found.kind == "plain"
-    assert found.confidence > 0.6
+    assert found.kind == "plain" and found.confidence > 0.6
     # What looks like wood, or is seen on few pixels, may well have joints.
     assert find_pattern([seen], looks=(0.5, 0.45))[0].confidence < 0.5
     assert find_pattern([replace(seen, px_per_m=90.0)])[0].confidence < 0.5
 
 
 def slanting(zigzag, seed, joint=0.2):
-    """Return a floor whose planks lie in columns along x."""
     y, x = np.mgrid[:SIZE_PX, :SIZE_PX] / JOINTS.px_per_m
     number, u, v, edge = (np.asarray(part) for part in zigzag.planks(x, y))
     key = (number[..., 0] * 7919 + number[..., 1] * 104729) % 8192
@@ -126,8 +118,7 @@ def zigzags():
 def test_planks_in_columns_have_their_size_direction_and_units(true):
     image = slanting(true, seed=4)
     (found, units) = floor_patterns([view(image, 20.0), view(image, 20.5)], {})["hall"]
-    assert found.kind == true.kind
-    assert found.width_m == pytest.approx(true.width_m, rel=0.05)
+    assert found.kind == true.kind and found.width_m == pytest.approx(true.width_m, rel=0.05)
     assert found.length_m == pytest.approx(true.length_m, rel=0.05)
     assert found.direction_deg == pytest.approx(20.0, abs=1.5)
     assert found.slant_deg == pytest.approx(true.slant_deg, abs=1.5)
@@ -136,11 +127,9 @@ def test_planks_in_columns_have_their_size_direction_and_units(true):
 
 
 def test_columns_are_found_by_the_slant_of_their_grain_without_joints():
-    true = Zigzag("herringbone", 0.09, 0.45)
-    image = slanting(true, seed=4, joint=0.0)
+    image = slanting(Zigzag("herringbone", 0.09, 0.45), seed=4, joint=0.0)
     found, _ = find_pattern([view(image, 20.0)])
-    assert found.kind == "herringbone"
-    assert found.length_m == pytest.approx(0.45, rel=0.08)
+    assert found.kind == "herringbone" and found.length_m == pytest.approx(0.45, rel=0.08)
 
 
 def test_a_period_in_one_photo_is_no_multiple_in_another():
@@ -156,8 +145,7 @@ def test_a_piece_of_another_colour_is_no_part_of_a_floor():
     mask = np.zeros(image.shape[:2], bool)
     mask[20:180, 20:200] = mask[20:180, 210:240] = mask[50:150, 260:380] = True
     image[:, 205:245] = image[:, 205:245] // 4 * 3  # in shade
-    kept = of_one_colour(image, mask)
-    assert np.array_equal(kept, mask & (np.arange(400) < 250))
+    assert np.array_equal(of_one_colour(image, mask), mask & (np.arange(400) < 250))
 
 
 def test_a_basket_is_not_taken_for_rows_or_columns():
@@ -193,8 +181,7 @@ def test_a_mosaic_is_not_taken_for_planks_or_tiles(rows):
     views = [view(image, 20.0), view(image, 65.0)]
     tiled = (0.05, 0.9)
     found, _ = find_pattern(views, tiled)
-    assert found.kind == "mosaic"
-    assert found.width_m == pytest.approx(SIDE_M / rows, rel=0.06)
+    assert found.kind == "mosaic" and found.width_m == pytest.approx(SIDE_M / rows, rel=0.06)
     assert find_pattern(views, (0.4, 0.3))[0].kind != "mosaic"  # a carpet's weave
     # Of photos with three pixels a square the size is less sure.
     coarse = [replace(seen, px_per_m=3 * rows / SIDE_M) for seen in views]
@@ -231,17 +218,14 @@ def test_units_are_whole_and_without_joints():
     assert len(units.images) > 12
     for unit in units.images:
         assert unit.shape[:2] == pytest.approx((30, 120), abs=4)
-    dark = [(unit.mean(axis=2) < 100).mean() for unit in units.images]
-    assert np.median(dark) < 0.01
-    # A joint of 3 mm is .2 darker than units of .5.
+    assert np.median([(unit.mean(axis=2) < 100).mean() for unit in units.images]) < 0.01
     assert units.joint_m * units.joint.mean() == pytest.approx(0.003 * 0.4, rel=0.5)
 
 
 def test_light_joints_are_laid_between_tiles_but_not_between_boards_of_any_length():
     tiles, of_tiles = floor_patterns([view(1.0 - floor(4, 16, 0.5, seed=3), 0.0)], {})["hall"]
     assert tiles.line == "light" and of_tiles.joint.mean() < -0.2
-    offsets = np.random.default_rng(1).uniform(0, 1, 28)
-    layout = bonds.bond(SIZE_PX, 1, 28, SIDE_M, offsets)
+    layout = bonds.bond(SIZE_PX, 1, 28, SIDE_M, np.random.default_rng(1).uniform(0, 1, 28))
     shining = made_of(layout, seed=3, turned=True, joint=-0.15)
     boards, of_boards = floor_patterns([view(shining, 0.0)], {})["hall"]
     assert boards.line == "light" and np.isnan(boards.length_m)

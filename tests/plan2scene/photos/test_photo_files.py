@@ -14,7 +14,6 @@ def small_limits(monkeypatch):
 
 
 def picture(width=800, height=600):
-    """Return a picture that is red at its left, and lighter downwards."""
     pixels = np.zeros((height, width, 3), np.uint8)
     pixels[:, : width // 4, 0] = 200
     pixels[..., 1] = np.linspace(40, 200, height)[:, None]

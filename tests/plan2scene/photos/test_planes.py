@@ -61,8 +61,7 @@ def test_walls_of_a_box(heading, pitch):
 
 
 def test_floor_and_ceiling():
-    eye = np.array([0.2, 1.4, -1.4])
-    labels, _, camera = box_view(10.0, -3.0, eye)
+    labels, _, camera = box_view(10.0, -3.0, np.array([0.2, 1.4, -1.4]))
     planes = {p.surface: p for p in split_planes(labels, camera, room_height_m=2.5)}
     assert planes["floor"].normal == (0.0, 1.0, 0.0)
     assert planes["ceiling"].normal == (0.0, -1.0, 0.0)
@@ -74,8 +73,7 @@ def test_floor_and_ceiling():
 
 @pytest.mark.parametrize("extent", [(4.0, 4.6), (4.6, 4.0)])
 def test_opposite_walls_give_the_scale_where_the_plan_tells_their_distance(extent):
-    eye = np.array([0.2, 1.2, -1.2])
-    labels, _, camera = box_view(0.0, 12.0, eye, fov_deg=95.0)
+    labels, _, camera = box_view(0.0, 12.0, np.array([0.2, 1.2, -1.2]), fov_deg=95.0)
     labels[labels == CEILING] = OTHER
     floor = split_planes(labels, camera, camera_height_m=1.5, room_extent_m=extent)[0]
     assert floor.scale_source == "room_extent"
@@ -87,8 +85,7 @@ def test_opposite_walls_give_the_scale_where_the_plan_tells_their_distance(exten
 
 
 def test_furniture_along_the_foot_hides_no_corner():
-    eye = np.array([0.2, 1.5, -0.9])
-    labels, side, camera = box_view(25.0, 5.0, eye)
+    labels, side, camera = box_view(25.0, 5.0, np.array([0.2, 1.5, -0.9]))
     y, x = np.mgrid[0 : SIZE[0], 0 : SIZE[1]]
     clutter = (y > 230) & (y < 300) & (x > 120) & (x < 330)
     labels[clutter] = OTHER

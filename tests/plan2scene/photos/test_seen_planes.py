@@ -29,8 +29,7 @@ def test_a_shut_door_is_no_surface():
 
 def test_a_pose_that_contradicts_the_mask_has_no_planes():
     house, pose, labels, _ = open_door_view()
-    upside_down = labels[::-1].copy()
-    assert seen_planes(upside_down, pose, room_shapes(house)) == []
+    assert seen_planes(labels[::-1].copy(), pose, room_shapes(house)) == []
 
 
 def test_a_photo_shows_the_room_that_it_was_taken_in():
@@ -67,7 +66,6 @@ def test_a_leaf_is_seen_where_a_door_is_likely_and_shut():
     assert list(seen_doors(labels, doors, pose, shapes)) == []  # open: the store's floor
     assert list(seen_doors(shut, 0.02 * doors, pose, shapes)) == []  # furniture
 
-    # An open leaf stands beside the opening.
     opened = labels.copy()
     start = int(np.argwhere(behind)[:, 1].min())
     leaf = np.s_[20:-20, start - 30 : start - 5]

@@ -3,6 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from box_room import SIZE, box_house, rendered
+from sample_houses import with_openings
 from views import camera_looking
 
 from plan2scene.photos.camera.calibration import canonical
@@ -13,7 +14,6 @@ from plan2scene.plans.usual_windows import guesses_windows, with_usual_windows
 from plan2scene_app.heights.seen_windows import with_seen_windows
 
 TRUE = box_house()
-#: Views that show the door or a window, with a corner.
 VIEWS = [
     (-20.0, (3.2, 1.4, 0.7)),
     (-40.0, (1.6, 1.5, 0.8)),
@@ -61,16 +61,7 @@ def test_windows_lie_where_photos_show_them():
 
 
 def test_what_ends_low_is_no_window():
-    walls = tuple(
-        replace(
-            wall,
-            openings=tuple(
-                replace(o, bottom=0.5, top=1.3) if o.kind == "window" else o for o in wall.openings
-            ),
-        )
-        for wall in TRUE.walls
-    )
-    low = replace(TRUE, walls=walls)
+    low = with_openings(TRUE, lambda o: o.kind == "window", bottom=0.5, top=1.3)
     photos = shots(low)
     assert with_seen_windows(undrawn(), photos, locate_shots(low, photos).poses) == undrawn()
 
@@ -81,23 +72,19 @@ def test_a_window_on_an_edge_without_a_wall_is_left_out():
     house = undrawn()
     open_side = replace(house, walls=tuple(wall for wall in house.walls if wall.id != "w3"))
     seen = with_seen_windows(open_side, photos, poses)
-    windows = {w.id for w in seen.walls for o in w.openings if o.kind == "window"}
-    assert windows == {"w2"}
+    assert {w.id for w in seen.walls for o in w.openings if o.kind == "window"} == {"w2"}
 
 
 def test_rooms_without_a_window_in_photos_keep_their_guess():
     house = undrawn()
     photos = shots(house, shown=False)
-    poses = locate_shots(TRUE, photos).poses
-    assert with_seen_windows(house, photos, poses) == house
+    assert with_seen_windows(house, photos, locate_shots(TRUE, photos).poses) == house
     assert with_seen_windows(house, photos, {}) == house
 
 
 def test_only_walls_to_the_outside_may_have_windows_that_no_plan_draws():
-    shapes = searched_shapes(undrawn())
-    spans = [hole for hole in shapes["room"].holes if hole.kind == UNDRAWN]
+    spans = [hole for hole in searched_shapes(undrawn())["room"].holes if hole.kind == UNDRAWN]
     assert {hole.edge for hole in spans} == {0, 1, 2, 3}
-    beside_store = next(hole for hole in spans if hole.edge == 1)
-    assert beside_store.start > 1.8  # the store is 2 m long
+    assert next(hole for hole in spans if hole.edge == 1).start > 1.8  # the store is 2 m long
     assert all(hole.kind != UNDRAWN for hole in searched_shapes(TRUE)["room"].holes)
     assert room_shapes(TRUE)["room"].holes == searched_shapes(TRUE)["room"].holes

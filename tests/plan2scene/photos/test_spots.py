@@ -35,8 +35,7 @@ def turn_of(heading_deg):
     """The quarter turns from the Manhattan frame of a photo to the plan."""
     true = camera_looking(SIZE, heading_deg=heading_deg, pitch_deg=4.0, focal=FOCAL)
     ahead, own = true.matrix[2], canonical(true.matrix)[2]
-    off = np.arctan2(ahead[0], ahead[2]) - np.arctan2(own[0], own[2])
-    return round(off / (np.pi / 2))
+    return round((np.arctan2(ahead[0], ahead[2]) - np.arctan2(own[0], own[2])) / (np.pi / 2))
 
 
 @pytest.mark.parametrize(
@@ -70,10 +69,8 @@ def test_a_watermark_ties_no_photos():
 
 def test_spots_follow_ties_while_a_room_is_common():
     rooms = {"a": ("hall", "bath"), "b": ("hall",), "c": ("hall", "bed"), "d": ("bed",)}
-    ties = {("a", "b"): 3, ("b", "c"): 2, ("c", "d"): 1, ("a", "gone"): 0}
-    first, last = spots_of(rooms, ties)
-    assert first.quarters == {"a": 0, "b": 3, "c": 1}
-    assert first.rooms == ("hall",)
+    first, last = spots_of(rooms, {("a", "b"): 3, ("b", "c"): 2, ("c", "d"): 1, ("a", "gone"): 0})
+    assert first.quarters == {"a": 0, "b": 3, "c": 1} and first.rooms == ("hall",)
     assert (last.quarters, last.rooms) == ({"d": 0}, ("bed",))
 
 
@@ -161,6 +158,5 @@ def test_photos_of_the_same_colours_look_alike_whatever_the_home_has_in_common()
     found = likeness(photos)
     assert list(found) == [("a", "b"), ("a", "c"), ("b", "c")]
     assert found["a", "b"] > 0.8 and max(found["a", "c"], found["b", "c"]) < -0.8
-    two = likeness({name: looks * 2 for name, looks in photos.items()})
-    assert two == pytest.approx(found)
+    assert likeness({name: looks * 2 for name, looks in photos.items()}) == pytest.approx(found)
     assert likeness({}) == likeness({"a": photos["a"]}) == {}

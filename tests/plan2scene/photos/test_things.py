@@ -26,8 +26,7 @@ class _Colours(torch.nn.Module):
             self._fc.weight[LAKE, 1] = 20.0
 
     def extract_features(self, photo):
-        assert photo.shape[1] == 3
-        assert photo.abs().max() <= 1.0
+        assert photo.shape[1] == 3 and photo.abs().max() <= 1.0
         return torch.nn.functional.avg_pool2d(photo, 32)
 
 
@@ -42,8 +41,7 @@ def test_a_photo_is_taken_outside_where_much_of_it_is():
 def test_a_photo_looks_like_the_mean_of_its_cells():
     photo = np.full((320, 448, 3), 127, np.uint8)
     photo[:, 224:] = (255, 127, 127)
-    look = things.ThingKinds(_Colours()).look(photo)
-    np.testing.assert_allclose(look, [0.5, 0, 0], atol=0.01)
+    np.testing.assert_allclose(things.ThingKinds(_Colours()).look(photo), [0.5, 0, 0], atol=0.01)
 
 
 def test_a_thing_shows_in_a_part_of_a_photo_and_not_in_a_dot():

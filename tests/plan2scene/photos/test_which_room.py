@@ -51,10 +51,8 @@ def test_what_a_room_is_used_for_and_its_name_tell_it():
         }
     )
     likely = {name: likely_room(home(), rooms) for name, rooms in found.items()}
-    assert likely["a"].room_id == "kitchen"
-    assert likely["b"].room_id == "bath"
-    assert found["c"] == {"bed_2": 1.0}
-    assert found["d"] == {NOWHERE: 1.0}
+    assert likely["a"].room_id == "kitchen" and likely["b"].room_id == "bath"
+    assert found["c"] == {"bed_2": 1.0} and found["d"] == {NOWHERE: 1.0}
     assert likely["e"] == (NOWHERE, 1.0, 1.0)
     for name in "ab":
         assert sum(found[name].values()) == pytest.approx(1.0, abs=1e-3)

@@ -49,14 +49,12 @@ def test_line_of_a_fault(tmp_path, text, line):
     with pytest.raises(InputError) as caught:
         import_plan(path, tmp_path / "scene.json", house_id="h1")
     message = str(caught.value)
-    assert "\n" not in message
-    assert message.startswith(f"file {path}, house h1{line}")
+    assert "\n" not in message and message.startswith(f"file {path}, house h1{line}")
     assert not (tmp_path / "scene.json").exists()
 
 
 def house(**changes):
-    ring = ((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0))
-    room = Room("a", ("Bedroom",), (ring,), 2.5)
+    room = Room("a", ("Bedroom",), (((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)),), 2.5)
     wall = Wall("w", ("a",), (0.0, 0.0), (4.0, 0.0), 2.5)
     return House(**{"id": "h1", "rooms": (room,), "walls": (wall,), **changes})
 

@@ -76,13 +76,11 @@ def test_rooms_of_two_levels_share_neither_walls_nor_doors():
 
 def test_plan_and_scene_come_back(plan, tmp_path):
     house = house_of_plan(plan, "two")
-    again = house_of_plan(house_to_plan(house), "two")
-    assert again == house
+    assert house_of_plan(house_to_plan(house), "two") == house
     write_scene_json(house, tmp_path / "scene.json")
     scene = read_scene_json(tmp_path / "scene.json", "two")
     assert (scene.rooms, scene.levels, scene.stairs) == (house.rooms, house.levels, house.stairs)
-    assert scene.walls == house.walls
-    assert scene.adjacency() == house.adjacency()
+    assert scene.walls == house.walls and scene.adjacency() == house.adjacency()
     assert scene.warnings == ()
 
 
@@ -132,8 +130,7 @@ def test_stairs_that_lead_nowhere_are_listed(plan):
 
 
 def test_a_door_that_leads_into_the_air_is_listed(plan):
-    window = entry(plan, "openings", "bedroom_east")
-    window.update({"kind": "door", "bottom": 0})
+    entry(plan, "openings", "bedroom_east").update({"kind": "door", "bottom": 0})
     assert validate_house(house_of_plan(plan, "two")) == [
         "house two, room bedroom: expected a room or balcony behind door bedroom_east of level "
         "upper, found none"
@@ -144,8 +141,7 @@ def test_a_door_that_leads_into_the_air_is_listed(plan):
 
 
 def test_floors_a_storey_apart_in_a_scene_without_levels_are_two(plan, tmp_path):
-    house = house_of_plan(plan, "two")
-    write_scene_json(house, tmp_path / "scene.json")
+    write_scene_json(house_of_plan(plan, "two"), tmp_path / "scene.json")
     document = json.loads((tmp_path / "scene.json").read_text())
     arch = document["scene"]["arch"]
     del arch["levels"], arch["stairs"]

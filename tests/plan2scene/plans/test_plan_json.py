@@ -83,8 +83,7 @@ def test_house_of_one_room_with_a_shaft(tmp_path):
     room = {**plan()["rooms"][0], "holes": [[[1, 1], [2, 1], [2, 2]]]}
     house = read(tmp_path, plan(rooms=[room], openings=[]))
     assert room_polygon(house.rooms[0]).area == pytest.approx(11.5)
-    assert len(house.walls) == 7
-    assert house.adjacency() == ()
+    assert len(house.walls) == 7 and house.adjacency() == ()
 
 
 def test_snap_tolerance(tmp_path):

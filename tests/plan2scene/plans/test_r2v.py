@@ -72,8 +72,7 @@ def test_annotation(tmp_path):
         Door("room_0", "hole_2", None),
         Door("room_1", "hole_3", "room_2"),
     }
-    low = [wall.room_ids for wall in house.walls if wall.height == 1.4]
-    assert low == [("room_2",)] * 3
+    assert [wall.room_ids for wall in house.walls if wall.height == 1.4] == [("room_2",)] * 3
     assert house.icons == (IconBox("bathtub", (7.5, 3.0), (8.25, 4.0)),)
     assert any("closet outside" in line for line in house.warnings)
     assert all(room.height == 2.8 for room in house.rooms)
@@ -83,10 +82,8 @@ def test_output_labels_by_the_side_of_the_walls(tmp_path):
     house = read(tmp_path, OUTPUT)
     assert [room.types for room in house.rooms] == [("Reception",), ("Bedroom",)]
     assert [room_polygon(r).area for r in house.rooms] == pytest.approx([20.0, 12.0])
-    assert house.doors == (Door("room_0", "hole_0", "room_1"),)
-    assert house.warnings == ()
-    turned = OUTPUT.replace("0 0 100 0 0 1", "100 0 0 0 1 0")
-    assert read(tmp_path, turned) == house
+    assert house.doors == (Door("room_0", "hole_0", "room_1"),) and house.warnings == ()
+    assert read(tmp_path, OUTPUT.replace("0 0 100 0 0 1", "100 0 0 0 1 0")) == house
 
 
 def test_open_plan_has_several_types(tmp_path):
@@ -95,11 +92,9 @@ def test_open_plan_has_several_types(tmp_path):
 
 
 def test_loose_wall_and_stray_door_are_warnings(tmp_path):
-    text = ANNOTATION + "30 50 60 50 wall 1 1\n300 300 320 300 door 1 1\n"
-    house = read(tmp_path, text)
+    house = read(tmp_path, (ANNOTATION + "30 50 60 50 wall 1 1\n300 300 320 300 door 1 1\n"))
     lines = "\n".join(house.warnings)
-    assert "found 1.50 m of walls that don't, left out" in lines
-    assert "opening hole_4" in lines
+    assert "found 1.50 m of walls that don't, left out" in lines and "opening hole_4" in lines
     assert len(house.walls) == 10
 
 

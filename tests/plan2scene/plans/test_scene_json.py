@@ -80,11 +80,9 @@ def test_nestings_read_alike(tmp_path, wrap):
     assert house.id == "h1"
     assert [room.types for room in house.rooms] == [("Bedroom",), ("Bathroom",)]
     assert [room.height for room in house.rooms] == [2.5, 2.5]
-    assert len(house.walls) == 7
-    assert house.walls[0].room_ids == ("a", "b")
+    assert len(house.walls) == 7 and house.walls[0].room_ids == ("a", "b")
     assert (house.walls[0].depth, house.walls[0].extra_height) == (0.1, 0.035)
-    assert house.doors == (Door("a", "door", "b"),)
-    assert house.adjacency() == (("a", "b"),)
+    assert house.doors == (Door("a", "door", "b"),) and house.adjacency() == (("a", "b"),)
 
 
 @pytest.mark.parametrize("kind", ["door", "passage"])

@@ -56,8 +56,7 @@ def test_walls_within_the_house_and_houses_with_windows_get_none():
     left, right = rooms_in_a_row(a="Bedroom", b="Bedroom")
     deep = replace(left, rings=(((0, 0), (3, 0), (3, 4), (0, 4)),))
     beside = replace(right, rings=(((4, 0), (7, 0), (7, 4), (4, 4)),))  # a void of a metre
-    house = House("two", (deep, beside), (*walls_of(deep), *walls_of(beside)))
-    glazed = with_usual_windows(house)
+    glazed = with_usual_windows(House("two", (deep, beside), (*walls_of(deep), *walls_of(beside))))
     assert {wall.id for _, wall, _ in windows(glazed)} == {"a_w3", "b_w1"}
     assert with_usual_windows(glazed) == glazed
     near = replace(right, rings=(((4.8, 0), (7.8, 0), (7.8, 4), (4.8, 4)),))  # a narrow yard
@@ -66,8 +65,7 @@ def test_walls_within_the_house_and_houses_with_windows_get_none():
 
 
 def test_a_drawing_keeps_them_in_its_scene_and_photos_are_not_compared_with_them(tmp_path):
-    square = [[0, 0], [4, 0], [4, 3], [0, 3]]
-    room = {"id": "a", "types": ["Bedroom"], "polygon": square}
+    room = {"id": "a", "types": ["Bedroom"], "polygon": [[0, 0], [4, 0], [4, 3], [0, 3]]}
     plan = {"format": "plan2scene-plan", "version": 1, "rooms": [room]}
     source, scene = tmp_path / "plan.json", tmp_path / "scene.json"
     source.write_text(json.dumps(plan))

@@ -43,8 +43,7 @@ def test_same_output_as_the_reference():
     edges = torch.tensor([[0, 1, 1, 2, 1, 3], [1, 0, 2, 1, 3, 1]])
     with torch.no_grad():
         output = formula_network()(x, edges)
-    assert output.shape == (4, 3, 11)
-    assert np.allclose(output[0].numpy(), ROOM_0, atol=1e-4)
+    assert output.shape == (4, 3, 11) and np.allclose(output[0].numpy(), ROOM_0, atol=1e-4)
     assert abs(float(output.sum()) - -3.5751821994781494) < 1e-3
 
 
@@ -103,8 +102,7 @@ def test_nothing_visible_and_a_single_room_work():
     for graph in (chain(1), chain(4, np.zeros((4, 3), dtype=bool))):
         found = predict(network, graph)
         assert np.isfinite(found.embedding).all()
-        assert np.allclose(found.confidence, 0.0, atol=1e-6)
-        assert (found.alike == -1).all()
+        assert np.allclose(found.confidence, 0.0, atol=1e-6) and (found.alike == -1).all()
 
 
 def test_both_networks_come_back_from_their_files(tmp_path):
@@ -128,8 +126,7 @@ def test_substances_are_what_the_texture_model_says_on_that_kind_of_surface(tmp_
         shares = torch.softmax(model.substance_layer(embeddings[..., :8]), dim=-1).numpy()
     named = substances_of(embeddings.numpy(), [["Bedroom"]] * 40, tmp_path / "m")
     assert (named == np.array(SUBSTANCES)[on_surfaces(shares, SURFACES).argmax(-1)]).all()
-    assert len(set(named[:, 0])) > 1
-    assert set(named[:, 2]) == {"plaster"}
+    assert len(set(named[:, 0])) > 1 and set(named[:, 2]) == {"plaster"}
     assert (substances_of(embeddings.numpy(), [["Kitchen"]] * 40, tmp_path / "m") == named).all()
     wet = substances_of(embeddings.numpy(), [["Bathroom"]] * 40, tmp_path / "m")
     assert (wet[:, 0] == "tile").mean() > (named[:, 0] == "tile").mean() + 0.3
@@ -154,8 +151,7 @@ def test_what_is_like_an_observed_surface_is_called_what_its_crops_were(tmp_path
     alike[1:, 0] = 0
     predicted = Prediction(embeddings, np.ones((3, 3)), alike)
     looks = substances_of(embeddings, types, tmp_path / "m")
-    assert looks[0, 0] == looks[1, 0] != "carpet"
-    assert looks[2, 0] == "tile" != looks[0, 0]
+    assert looks[0, 0] == looks[1, 0] != "carpet" and looks[2, 0] == "tile" != looks[0, 0]
     found = unseen_substances(graph, types, predicted, named, tmp_path / "m")
     assert found[1, 0] == "carpet"
     found[1, 0] = looks[1, 0]

@@ -48,8 +48,7 @@ def test_a_floor_that_runs_on_is_one_material(shared_house, tmp_path):
     write_parquet(tmp_path / "surfaces.parquet", table, {})
     table["photo"] = ["bright.png", "dark.png"]
     write_parquet(tmp_path / "embeddings.parquet", table, {})
-    gains = {"bright.png": [1.0] * 3, "dark.png": [1.5] * 3}
-    write_json(tmp_path / "light.json", {"gains": gains})
+    write_json(tmp_path / "light.json", {"gains": {"bright.png": [1.0] * 3, "dark.png": [1.5] * 3}})
     table = found(tmp_path)
     assert table["material"].tolist() == ["floor-1"] * 2
     assert table["rooms"].tolist() == ["|".join(rooms)] * 2

@@ -66,8 +66,7 @@ def stubborn(value):
 
 
 def test_an_unseen_ceiling_follows_the_seen_ones():
-    found = evidence(alike())
-    assert found[-1, 2, -3:] == pytest.approx(np.full(3, 0.45), abs=0.03)
+    assert evidence(alike())[-1, 2, -3:] == pytest.approx(np.full(3, 0.45), abs=0.03)
     # As if not seen: what a surface itself looks like is not in its prediction.
     odd = alike()
     odd.embeddings[0, 2, -3:] = 0.9
@@ -82,14 +81,12 @@ def test_a_network_that_is_wrong_in_this_house_is_not_heard():
 
 
 def test_a_network_that_is_right_in_this_house_is_heard(monkeypatch):
-    colours = np.random.default_rng(0).uniform(0.1, 0.9, (ROOMS, 3))
-    graph = house(colours, np.ones((ROOMS, 3), bool))
+    graph = house(np.random.default_rng(0).uniform(0.1, 0.9, (ROOMS, 3)), np.ones((ROOMS, 3), bool))
     nan = np.full((ROOMS, 3), np.nan, np.float32)
     known = Prediction(graph.embeddings, nan, np.full((ROOMS, 3), -1))
     monkeypatch.setattr(predictors, "predict", lambda network, shown: known)
     assert share(graph, 0.5) > 0.99
-    blind = replace(graph, observed=np.zeros((ROOMS, 3), bool))
-    assert share(blind, 0.5) == pytest.approx(1 / 3)
+    assert share(replace(graph, observed=np.zeros((ROOMS, 3), bool)), 0.5) == pytest.approx(1 / 3)
 
 
 def test_confidence_grows_with_surfaces_of_the_kind():
@@ -135,8 +132,7 @@ def test_an_unseen_bedroom_has_the_floor_of_the_bedrooms():
 
 def test_a_bathroom_has_the_floor_of_another_one_and_the_open_air_its_own():
     found = floors("HLWWT", "01 02 03 14", {1: 0.4, 2: 0.9})
-    assert found[3] == 2
-    assert found[4] == -1
+    assert found[3] == 2 and found[4] == -1
     assert found[0] == 1
 
 
@@ -146,8 +142,7 @@ def test_a_closet_goes_on_with_the_room_that_it_opens_into():
 
 
 def test_a_hall_among_bedrooms_is_like_most_of_them():
-    found = floors("HBBBL", "01 02 03", {1: 0.4, 2: 0.42, 3: 0.8, 4: 0.8})
-    assert found[0] in (1, 2)
+    assert floors("HBBBL", "01 02 03", {1: 0.4, 2: 0.42, 3: 0.8, 4: 0.8})[0] in (1, 2)
 
 
 def test_the_house_predictor_copies_a_kindred_floor():
@@ -158,5 +153,4 @@ def test_the_house_predictor_copies_a_kindred_floor():
     graph.observed[4, 0] = False
     graph.embeddings[4] = 0.0
     found = PREDICTORS["house"](graph, stubborn(0.5), MEANS, None)
-    like = found.alike[4, 0]
-    assert found.embedding[4, 0] == pytest.approx(graph.embeddings[like, 0])
+    assert found.embedding[4, 0] == pytest.approx(graph.embeddings[found.alike[4, 0], 0])

@@ -37,7 +37,6 @@ def test_a_black_floor_that_no_crop_shows_is_black_and_said_to_be_seen(shared_ho
     assert black.source.endswith(", its colour seen in part")
     assert "seen" not in unseen.source
     assert table.loc[(first, "wall")].source == "c"
-    # A hidden photo shows nothing.
     propagate_house(*given, colours=tmp_path / "colours.parquet", hidden_photos=["a.jpg"], **names)
     hidden = read_parquet(given[-1])[0].set_index(["room_id", "surface"]).loc[(second, "floor")]
     assert min(hidden.colour) > 0.1 and "seen" not in hidden.source

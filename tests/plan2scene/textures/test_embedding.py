@@ -60,8 +60,7 @@ def test_embedding_ends_in_the_median_colour(model):
     medians = np.sort(images.reshape(3, -1, 3), axis=1)[:, (128 * 128 - 1) // 2] / 255
     np.testing.assert_allclose(found.codes[:, 8:], medians, atol=1e-4)
     np.testing.assert_allclose(found.substance_probabilities.sum(1), 1.0, atol=1e-5)
-    assert found.textureness.shape == (3,)
-    assert (found.textureness > 0).all()
+    assert found.textureness.shape == (3,) and (found.textureness > 0).all()
 
 
 def test_threads_change_nothing(model):
@@ -75,8 +74,7 @@ def test_threads_change_nothing(model):
 def test_decoding_is_reproducible_and_depends_on_the_seed(model):
     codes = np.full((2, 11), 0.4, np.float32)
     first, second = decode_textures(model, codes, [1, 2], 32)
-    assert first.shape == (32, 32, 3)
-    assert not np.array_equal(first, second)
+    assert first.shape == (32, 32, 3) and not np.array_equal(first, second)
     assert np.array_equal(decode_textures(model, codes[:1], [2], 32)[0], second)
     assert not np.array_equal(noise_seeds([1]), noise_seeds([2]))
 
@@ -105,5 +103,4 @@ def test_house_without_crops(models, tmp_path):
     output = tmp_path / "embeddings.parquet"
     make_embeddings(tmp_path / "crops.parquet", output, *models, house="h", dataset="d", seed=0)
     frame, _ = read_parquet(output)
-    assert len(frame) == 0
-    assert "textureness" in frame.columns
+    assert len(frame) == 0 and "textureness" in frame.columns

@@ -72,11 +72,9 @@ def test_poor_crops_make_no_exemplar():
 
 def test_one_crop_of_unknown_scale_is_enough():
     noise = np.random.default_rng(1).normal(128, 20, (128, 128, 3))
-    ramp = np.linspace(-30, 30, 128)[:, None, None]
-    image = np.clip(noise + ramp, 0, 255).astype(np.uint8)
+    image = np.clip(noise + np.linspace(-30, 30, 128)[:, None, None], 0, 255).astype(np.uint8)
     made = make_exemplar([ExemplarCrop(image, float("nan"), float("nan"))], size_px=64)
-    assert made.image.shape == (64, 64, 3)
-    assert np.isnan(made.size_m)
+    assert made.image.shape == (64, 64, 3) and np.isnan(made.size_m)
     assert wrap_ratio(made.image) < 1.3 < wrap_ratio(image)
 
 
@@ -84,8 +82,7 @@ def test_one_crop_of_unknown_scale_is_enough():
 def test_lattice_of_a_turned_grid(angle):
     view = window(grid(6, 4), np.array([0.3, 0.6]), 0.9, angle) / 255.0
     found = find_lattice(log_luma(view), np.zeros((128, 128), bool))
-    assert found.clear
-    assert found.angle_deg == pytest.approx(-angle, abs=0.6)
+    assert found.clear and found.angle_deg == pytest.approx(-angle, abs=0.6)
     step = 128 / 0.9
     assert found.periods == pytest.approx((step / 6, step / 4), rel=0.02)
 

@@ -27,8 +27,7 @@ def test_generated_library_repeats_itself_and_covers_each_substance(tmp_path):
     assert (tmp_path / "a.parquet").read_bytes() == (tmp_path / "b.parquet").read_bytes()
     library = read_library(tmp_path / "a.parquet")
     assert [library.of_substance(name) for name in SUBSTANCES] == [[0, 1], [2, 3], [4, 5], [6, 7]]
-    assert library.tiles.shape == (8, 64, 64, 3)
-    assert (library.size_m > 0.01).all()
+    assert library.tiles.shape == (8, 64, 64, 3) and (library.size_m > 0.01).all()
     assert len(set(library.names)) == 8
 
 
@@ -38,5 +37,4 @@ def test_library_of_a_folder(tmp_path):
     folder = str(tmp_path / "mine")
     write_library(tmp_path / "l.parquet", folder=folder, per_substance=9, seed=0, size_px=128)
     library = read_library(tmp_path / "l.parquet")
-    assert library.substances == ("carpet",)
-    assert np.array_equal(library.tiles[0], image)
+    assert library.substances == ("carpet",) and np.array_equal(library.tiles[0], image)

@@ -74,7 +74,6 @@ def test_a_map_does_not_repeat_where_its_tile_does(floor):
     grey = log_luma(image)
     moved = round(floor.size_m * detail.px_per_m)
     assert np.corrcoef(grey[:, moved:].ravel(), grey[:, :-moved].ravel())[0, 1] < 0.5
-    # As much contrast as the crops have: joints are cut, not blended.
     assert image.std() == pytest.approx(floor.image.std(), rel=0.15)
     np.testing.assert_array_equal(image, quilt_of(detail, 3.0))
 
@@ -85,18 +84,13 @@ def test_slabs_stay_whole():
     period = 0.25 * detail.px_per_m
     assert detail.periods == pytest.approx((period, period), rel=0.04)
     image = quilt_of(detail, 2.5)
-    crop = image[:SIDE, :SIDE]
-    found = find_lattice(log_luma(crop / 255.0), np.zeros((SIDE, SIDE), bool))
+    found = find_lattice(log_luma(image[:SIDE, :SIDE] / 255.0), np.zeros((SIDE, SIDE), bool))
     assert found.periods == pytest.approx(detail.periods, rel=0.05)
-    # Every joint runs straight across the whole map.
-    dark = image[..., 0] < 115
-    lines = dark.mean(axis=0)
-    assert np.sort(lines)[-9] > 0.8
+    assert np.sort((image[..., 0] < 115).mean(axis=0))[-9] > 0.8
 
 
 def test_maps_are_as_fine_as_the_photos_and_no_finer(floor):
-    plain = detail_of_pattern(floor.pattern, floor.size_m)
-    assert plain.resolved == pytest.approx(SIDE)
+    assert detail_of_pattern(floor.pattern, floor.size_m).resolved == pytest.approx(SIDE)
     fine = jpeg_bytes(carpet(9, 256), quality=95, full_colour=True)
     crops = [replace(c, sharpness=2.0, detail=fine) for c in floor.pattern.crops]
     detail = detail_of_pattern(replace(floor.pattern, crops=crops), floor.size_m)
@@ -115,11 +109,9 @@ def test_maps_of_a_house_cover_its_faces_in_the_tiles_colours(rug, gap_house, tm
     assert set(maps) == set(keys)
     parts = assemble(gap_house).parts
     for key in keys:
-        image = image_from_bytes(maps[key].jpeg)
-        apart = median_colour(image) - median_colour(tiles[key].image)
+        apart = median_colour(image_from_bytes(maps[key].jpeg)) - median_colour(tiles[key].image)
         assert np.abs(apart).max() < 0.02
-    surfaces = [_Known(key) for key in keys]
-    write_tiles(tmp_path / "t", "exemplar", surfaces, tiles, maps)
+    write_tiles(tmp_path / "t", "exemplar", [_Known(key) for key in keys], tiles, maps)
     textures = load_textures(tmp_path / "t", gap_house)
     for part in parts:
         if part.surface is not None and part.uv is not None:
@@ -130,8 +122,7 @@ def test_maps_of_a_house_cover_its_faces_in_the_tiles_colours(rug, gap_house, tm
     tiled = house_maps(gap_house, tiles, {}, {floor: grid}, {}, seed=1)
     dark = [(image_from_bytes(m[floor].jpeg).max(axis=2) < 40).mean() for m in (maps, tiled)]
     assert tiled[floor].pattern == grid.words and dark[1] > dark[0] + 0.04
-    again = house_maps(gap_house, tiles, {}, {}, {}, seed=1)
-    assert again[keys[0]].jpeg == maps[keys[0]].jpeg
+    assert house_maps(gap_house, tiles, {}, {}, {}, seed=1)[keys[0]].jpeg == maps[keys[0]].jpeg
     assert house_maps(gap_house, tiles, {}, {}, {}, seed=2)[keys[0]].jpeg != maps[keys[0]].jpeg
 
 
@@ -163,7 +154,6 @@ def test_a_material_runs_on_through_a_door(rug, gap_house):
     floors = [SurfaceKey("a", "floor"), SurfaceKey("b", "floor")]
     maps = house_maps(gap_house, tiles, dict.fromkeys(floors, "floor-1"), {}, {}, seed=0)
     left, right = (maps[key] for key in floors)
-    # Where both maps cover the threshold they show the same.
     scale = left.px_per_m
     shift = [round((r - le) * scale) for r, le in zip(right.area.low, left.area.low, strict=True)]
     pictures = [image_from_bytes(m.jpeg).astype(int) for m in (left, right)]
@@ -186,6 +176,5 @@ def test_a_wall_in_bands_has_two_materials_that_meet_at_their_height(gap_house):
     height = gap_house.room("a").height - whole.area.low[1]
     height = height - (np.arange(len(image)) + 0.5) / whole.px_per_m
     away = [np.abs(image - median_colour(t.image) * 255).max(axis=(1, 2)) for t in (upper, lower)]
-    assert away[0][height > 1.22].max() < 12
-    assert away[1][height < 1.18].max() < 12
+    assert away[0][height > 1.22].max() < 12 and away[1][height < 1.18].max() < 12
     assert whole.facts()["split_m"] == 1.2

@@ -57,8 +57,7 @@ def test_least_textureness_wins(files):
     assert row["embedding"].tolist() == [2.0] * 8 + [1.0] * 3  # colour: the median of all
     assert row["naive_embedding"].tolist() == [1.0] * 8
     assert row["medoid_id"] == "floor/b_0_crop2"  # grey 110 is nearest to the mean 136.7
-    assert row["substance"] == "wood"
-    assert row["n_crops"] == 3
+    assert row["substance"] == "wood" and row["n_crops"] == 3
     assert row["metres"] == 0.75  # the chosen crop has none: the median of the others
     assert np.isnan(frame.loc[("r2", "wall"), "metres"])
     assert metadata["model"] == "m"
@@ -68,8 +67,7 @@ def test_hidden_photos_do_not_count(files):
     frame, _ = select(files, hidden=["b.jpg"])
     assert frame.index.tolist() == [("r1", "floor")]
     row = frame.loc[("r1", "floor")]
-    assert row["crop_id"] == "floor/a_0_crop1"
-    assert row["metres"] == 0.5
+    assert row["crop_id"] == "floor/a_0_crop1" and row["metres"] == 0.5
     assert row["naive_embedding"].tolist() == [0.5] * 8
 
 

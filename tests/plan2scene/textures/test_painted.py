@@ -111,8 +111,7 @@ def test_tiles_and_maps_get_the_paint_and_keep_their_pattern(paint, tmp_path):
     painted = read_image(tmp_path / "out" / "b_wall.png")
     linear = srgb_to_linear(median_colour(painted))
     assert linear == pytest.approx(read_paint(paint)[0][SurfaceKey("b", "wall")], abs=0.02)
-    together = np.corrcoef(tile[..., 1].ravel(), painted[..., 1].ravel())[0, 1]
-    assert together > 0.95
+    assert np.corrcoef(tile[..., 1].ravel(), painted[..., 1].ravel())[0, 1] > 0.95
     assert painted.max() < 255
     whole = read_image(tmp_path / "out" / "b_wall.jpg")
     assert median_colour(whole) == pytest.approx(median_colour(painted), abs=0.02)
@@ -129,8 +128,7 @@ def test_tiles_and_maps_get_the_paint_and_keep_their_pattern(paint, tmp_path):
 
 
 def test_white_paint_is_one_colour_and_takes_no_pattern_of_another_room(paint, tmp_path):
-    rng = np.random.default_rng(0)
-    grain = rng.normal(0.0, 1.2, (64, 64, 1))
+    grain = np.random.default_rng(0).normal(0.0, 1.2, (64, 64, 1))
     across = np.sin(np.arange(64) / 64 * 2 * np.pi)[None, :, None]
     stained = np.uint8(np.clip(130 + grain + across * np.array([12.0, 8.0, -8.0]), 0, 255))
     chequered = np.uint8(np.tile(np.kron([[60, 170], [170, 60]], np.ones((8, 8))), (4, 4)))
@@ -138,8 +136,7 @@ def test_white_paint_is_one_colour_and_takes_no_pattern_of_another_room(paint, t
     folder = textures_of(tmp_path / "t", tiles, **{"c/wall": {"observed": False, "size_m": 0.5}})
     paint_textures(folder, paint, tmp_path / "out")
     white = read_image(tmp_path / "out" / "a_wall.png").astype(int)
-    columns = white.mean(axis=0)
-    assert np.ptp(columns, axis=0).max() < 6  # 24 before
+    assert np.ptp(white.mean(axis=0), axis=0).max() < 6  # 24 before
     assert np.corrcoef(grain[..., 0].ravel(), white[..., 1].ravel())[0, 1] > 0.8
     assert np.array_equal(read_image(tmp_path / "out" / "c_wall.png"), white)
     assert read_json(tmp_path / "out" / "maps.json")["surfaces"] == {}
@@ -155,8 +152,7 @@ def test_blinds_and_pictures_on_a_white_wall_are_no_pattern_of_it(paint, tmp_pat
     images = {name: np.uint8(image) for name, image in names.items()}
     folder = textures_of(tmp_path / "t", images, **{"a/wall": {"substance": "tile"}})
     paint_textures(folder, paint, tmp_path / "out")
-    walls = [read_image(tmp_path / "out" / f"{room}_wall.png") for room in "ad"]
-    assert np.array_equal(*walls)
+    assert np.array_equal(*[read_image(tmp_path / "out" / f"{room}_wall.png") for room in "ad"])
     painted = read_image(tmp_path / "out" / "a_ceiling.png").astype(int)
     assert painted[::16].mean() < painted.mean() - 10  # fainter joints stay
 
@@ -168,8 +164,7 @@ def test_the_folds_of_a_curtain_are_no_pattern_of_a_white_wall(paint, tmp_path, 
     striped = 150 * np.exp(0.05 * (x if folds else (x + y) / 2**0.5)) * np.ones((64, 64, 3))
     folder = textures_of(tmp_path / "t", {"a/wall": striped.astype(np.uint8)})
     paint_textures(folder, paint, tmp_path / "out")
-    found = read_image(tmp_path / "out" / "a_wall.png")
-    assert bool(found.std() < 2) is folds
+    assert bool(read_image(tmp_path / "out" / "a_wall.png").std() < 2) is folds
     assert (tmp_path / "out" / "a_wall.jpg").is_file() is not folds
 
 
@@ -314,8 +309,7 @@ def test_evidence_is_said_in_words():
 
     def words(photos, white=False, coloured=False, **entry):
         key = SurfaceKey("a", "wall")
-        told = evidence_of(key, entry, photos, rooms, white=white, coloured=coloured)
-        return told["words"]
+        return evidence_of(key, entry, photos, rooms, white=white, coloured=coloured)["words"]
 
     like = {"observed": False, "source": "exemplar of dining_room, 2.9 dE2000 to the colour"}
     assert words(["1", "2"], observed=True) == "seen in 2 photos"
@@ -361,8 +355,7 @@ def test_a_hook_in_a_wall_is_not_repeated_all_over_it():
     hook = grain.copy()
     hook[40:44, 50:58] = -0.3
     for shade, name in ((grain, "grain"), (hook, "hook")):
-        linear = 0.7 * np.exp(shade)
-        image, _ = plain(as_uint8(linear_to_srgb(linear)), np.full(3, 0.8), 128.0)
+        image, _ = plain(as_uint8(linear_to_srgb(0.7 * np.exp(shade))), np.full(3, 0.8), 128.0)
         log = np.log(srgb_to_linear(image)[..., 0])
         assert log.std() == pytest.approx(0.01, rel=0.25), name
         assert np.abs(log - np.median(log)).max() < 0.06, name
@@ -404,8 +397,7 @@ def test_an_unseen_balcony_has_no_carpet_and_no_wallpaper(paint, tmp_path):
     lilac = np.full((64, 64, 3), (190, 170, 200), np.uint8)
     lilac[::16] = 90
     names = ("a/floor", "balcony/floor", "balcony/wall", "balcony/ceiling")
-    unseen = {"observed": False, "source": "exemplar of a, like a"}
-    entry = dict.fromkeys(names[1:], unseen)
+    entry = {key: {"observed": False, "source": "exemplar of a, like a"} for key in names[1:]}
     folder = textures_of(tmp_path / "t", dict.fromkeys(names, lilac), **entry)
     for open_air in ((), ("a", "balcony")):
         out = tmp_path / f"out{len(open_air)}"
@@ -415,8 +407,7 @@ def test_an_unseen_balcony_has_no_carpet_and_no_wallpaper(paint, tmp_path):
             for name in ("balcony/floor", "balcony/wall", "a/floor")
         )
         joints = read_image(out / "balcony_floor.png").std()
-        surfaces = read_json(out / "textures.json")["surfaces"]
-        stone = surfaces["balcony/floor"]
+        stone = read_json(out / "textures.json")["surfaces"]["balcony/floor"]
         if not open_air:
             assert joints > 10 and np.ptp(floor) > 0.05 and stone["evidence"]["like"] == "a"
             continue

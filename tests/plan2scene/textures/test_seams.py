@@ -10,8 +10,7 @@ from plan2scene.textures.seams import make_seamless, with_calm_border, wrap_rati
 def _window(substance, seed, side=96):
     """A part of a tile, at another phase, upsampled as photos are: it does not repeat."""
     tile = random_material(substance, seed, size_px=160).albedo
-    rng = np.random.default_rng(seed)
-    part = np.roll(tile, rng.integers(0, 160, 2), (0, 1))[:side, :side]
+    part = np.roll(tile, np.random.default_rng(seed).integers(0, 160, 2), (0, 1))[:side, :side]
     return cv2.resize(part, (128, 128), interpolation=cv2.INTER_CUBIC)
 
 
@@ -31,7 +30,6 @@ WINDOWS = [(substance, seed) for substance in SUBSTANCES for seed in range(3)]
 
 @pytest.fixture(scope="module")
 def repaired():
-    """Windows that do not tile, and what became of them."""
     windows = [_window(*case) for case in WINDOWS]
     return [(w, *make_seamless(w)) for w in windows if wrap_ratio(w) > 2.0]
 
@@ -67,8 +65,7 @@ def test_only_the_direction_that_needs_it_is_repaired():
     image = 128 + 50 * np.sin(3.5 * x + 1)[None, :] + 20 * np.cos(4 * y)[:, None]
     image = np.repeat(image[..., None], 3, axis=2).astype(np.uint8)
     result, changed = make_seamless(image)
-    assert wrap_ratio(image) > 3.0
-    assert wrap_ratio(result) < 1.3
+    assert wrap_ratio(image) > 3.0 and wrap_ratio(result) < 1.3
     assert not changed[:, 24:40].any()  # the band lies at the left and right borders
 
 
@@ -77,8 +74,7 @@ def test_calm_border_is_a_roll_that_takes_joints_off_the_border():
     tile += np.random.default_rng(0).integers(0, 6, (64, 64, 1)).astype(np.uint8)
     tile[::16] = tile[:, ::16] = 90  # joints on the border
     calm = with_calm_border(tile)
-    assert wrap_ratio(tile) > 3.0
-    assert wrap_ratio(calm) < 1.0
+    assert wrap_ratio(tile) > 3.0 and wrap_ratio(calm) < 1.0
     rolls = [np.roll(tile, (i, j), (0, 1)) for i in range(64) for j in range(64)]
     assert any(np.array_equal(calm, roll) for roll in rolls)
     assert np.array_equal(with_calm_border(calm), calm)

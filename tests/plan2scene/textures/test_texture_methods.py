@@ -57,8 +57,7 @@ CROPS = [
 
 def test_observed_surface_gets_its_medoid():
     choice = choose_crop(PLAN, SurfaceKey("bed1", "floor"), CROPS, 0)
-    assert choice.crop.crop_id == "b"
-    assert choice.source == "b"
+    assert choice.crop.crop_id == "b" and choice.source == "b"
 
 
 def test_unobserved_surface_prefers_rooms_of_its_type():
@@ -73,10 +72,8 @@ def test_unobserved_surface_prefers_rooms_of_its_type():
 
 def test_then_the_same_surface_then_anything_then_nothing():
     wall = choose_crop(PLAN, SurfaceKey("bath", "wall"), CROPS, 0)
-    assert wall.crop.crop_id == "e"
-    assert "another wall" in wall.source
-    ceiling = choose_crop(PLAN, SurfaceKey("bath", "ceiling"), CROPS, 0)
-    assert "another surface" in ceiling.source
+    assert wall.crop.crop_id == "e" and "another wall" in wall.source
+    assert "another surface" in choose_crop(PLAN, SurfaceKey("bath", "ceiling"), CROPS, 0).source
     assert choose_crop(PLAN, SurfaceKey("bath", "wall"), [], 0) is None
 
 
@@ -115,7 +112,6 @@ def test_crops_of_other_houses_come_after_rooms_of_the_type_and_before_the_rest(
 
 @pytest.fixture
 def files(job_files, tmp_path):
-    """Copies of the files that a texture job reads."""
     return Path(shutil.copytree(job_files, tmp_path / "job"))
 
 
@@ -225,8 +221,7 @@ def test_retrieve_takes_library_tiles_with_their_size(files):
 def test_medoid_colour_is_the_median_of_the_medoid_everywhere(files):
     folder, surfaces = _make(files, "medoid_colour", seam_correction=True)
     tile = read_image(folder / "bed1_floor.png")
-    median = np.sort(_image(100).reshape(-1, 3), axis=0)[(SIZE * SIZE - 1) // 2]
-    assert (tile == median).all()
+    assert (tile == np.sort(_image(100).reshape(-1, 3), axis=0)[(SIZE * SIZE - 1) // 2]).all()
     assert surfaces["bed1/floor"]["source"] == "median colour of b"
     assert not surfaces["bed1/floor"]["seam_corrected"]
     assert (
@@ -271,8 +266,7 @@ def test_synth_large_has_the_statistics_of_the_selected_crop(files):
     own = mine.iloc[0]
     rows = list(zip(table["room_id"], table["surface"], table["source"], strict=True))
     table["source"] = [own["crop_id"] if r[:2] == ("bed1", "floor") else r[2] for r in rows]
-    crop = image_from_bytes(own["png"])
-    tone = np.median(crop.reshape(-1, 3), axis=0) / 255
+    tone = np.median(image_from_bytes(own["png"]).reshape(-1, 3), axis=0) / 255
     table["embedding"] = [np.r_[code[:8], tone].astype(np.float32) for code in table["embedding"]]
     write_parquet(files / "propagated.parquet", table, {"house": "h1"})
     plain, _ = _make(files, "synth", out="plain")
@@ -341,8 +335,7 @@ def test_unobserved_surfaces_take_the_nearest_exemplar_of_the_house(files):
     write_parquet(files / "propagated.parquet", table, {"house": "h1"})
     folder, surfaces = _make(files, "exemplar")
     assert surfaces["bed2/floor"]["source"].startswith("exemplar of hall, ")
-    median = median_colour(read_image(folder / "bed2_floor.png"))
-    assert np.abs(median - tone).max() < 0.01
+    assert np.abs(median_colour(read_image(folder / "bed2_floor.png")) - tone).max() < 0.01
     assert surfaces["bed2/floor"]["size_m"] == surfaces["hall/floor"]["size_m"]
     # Blue tiles are not of the material of grey ones, but blue paint is the grain of white paint.
     assert surfaces["bath/floor"]["source"].startswith("made up: ")
@@ -366,8 +359,7 @@ def test_crops_of_another_thing_make_no_exemplar_of_a_surface(files, level):
     folder, surfaces = _make(files, "exemplar")
     own = "exemplar of 1 crops" if level == 200 else "exemplar of bed1, "
     assert surfaces["hall/floor"]["source"].startswith(own)
-    median = np.median(read_image(folder / "hall_floor.png"))
-    assert median == pytest.approx(level, abs=3)
+    assert np.median(read_image(folder / "hall_floor.png")) == pytest.approx(level, abs=3)
 
 
 def test_an_exemplar_of_the_predicted_substance_goes_before_a_nearer_one(files):

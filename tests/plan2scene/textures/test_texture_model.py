@@ -15,8 +15,7 @@ def test_state_dict_fits_released_checkpoints():
     with torch.device("meta"):
         state = TextureModel(Architecture(periodic=False)).state_dict()
     shapes = {name: tuple(value.shape) for name, value in state.items()}
-    assert len(shapes) == 38
-    assert shapes["encoder.conv1.weight"] == (64, 3, 7, 7)
+    assert len(shapes) == 38 and shapes["encoder.conv1.weight"] == (64, 3, 7, 7)
     assert shapes["encoder.layer4.0.downsample.0.weight"] == (512, 256, 1, 1)
     assert shapes["encoder.layer4.1.conv2.weight"] == (512, 512, 3, 3)
     assert shapes["encoder.fc_bottleneck.weight"] == (8, 512)
@@ -36,8 +35,7 @@ def test_decoded_tile_has_no_seam(small):
     assert tile.std() > 1e-3
     for axis in (2, 3):
         inside = tile.diff(dim=axis).abs().mean()
-        across = (tile.select(axis, 0) - tile.select(axis, -1)).abs().mean()
-        assert across < 1.25 * inside
+        assert (tile.select(axis, 0) - tile.select(axis, -1)).abs().mean() < 1.25 * inside
 
 
 def test_more_pixels_draw_the_same_tile(small):

@@ -11,8 +11,7 @@ NOTHING = np.zeros((1, SIZE, SIZE), bool)
 
 def plaster(seed):
     """Noise as of plaster, (128, 128, 3) uint8."""
-    rng = np.random.default_rng(seed)
-    grain = cv2.GaussianBlur(rng.normal(0, 1, (SIZE, SIZE)), (0, 0), 2.0)
+    grain = cv2.GaussianBlur(np.random.default_rng(seed).normal(0, 1, (SIZE, SIZE)), (0, 0), 2.0)
     return np.clip(190 + 12 * grain[..., None] * np.ones(3), 0, 255).astype(np.uint8)
 
 
@@ -31,8 +30,7 @@ def found(image):
 
 def test_a_switch_is_found_and_little_else():
     mask = found(with_switch(plaster(0)))
-    assert mask[40:61, 50:65].all()
-    assert mask.mean() < 0.08
+    assert mask[40:61, 50:65].all() and mask.mean() < 0.08
     assert not found(plaster(0)).any()
 
 

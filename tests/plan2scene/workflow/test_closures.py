@@ -9,7 +9,6 @@ CLOSURES = {rule: set(rule_modules(rule)) for rule in rules()}
 
 
 def users(module):
-    """Return the rules that a change of a module makes again."""
     return {rule for rule, modules in CLOSURES.items() if module in modules}
 
 

@@ -22,7 +22,6 @@ def shoelace(ring):
 
 
 def drop_file(drawing, at, name):
-    """Drop a small picture on the drawing as the system would."""
     x, y = drawing.pixel(*at)
     drawing.page.evaluate(
         """async ([x, y, name]) => {
@@ -42,7 +41,6 @@ def drop_file(drawing, at, name):
 
 
 def two_rooms(drawing):
-    """Draw two rooms with a door between them and a window."""
     drawing.two_rooms()
     drawing.press("n")
     drawing.click(1.5, 0)
@@ -79,8 +77,7 @@ def test_two_rooms_from_nothing_to_a_glb(drawing, tmp_path):
     assert (rooms["My_kitchen"].name, rooms["My_kitchen"].height) == ("My kitchen", 2.5)
     assert house.heights == ""  # told: photos do not change them
     assert house.adjacency() == (("My_kitchen", "room_2"),)
-    kinds = sorted(o.kind for wall in house.walls for o in wall.openings)
-    assert kinds == ["door", "window"]
+    assert sorted(o.kind for wall in house.walls for o in wall.openings) == ["door", "window"]
     rows = read_assignment(tmp_path / "photos.csv", house)
     assert [tuple(row) for row in rows] == [("room_2", "bed.png")]
     write_glb(house, {}, tmp_path / "house.glb")
@@ -111,8 +108,7 @@ def test_walls_move_with_both_rooms_and_what_is_in_them(drawing):
     door = next(o for o in drawing.plan["openings"] if o["kind"] == "door")
     assert door["from"][0] == door["to"][0] == 3.5
     drawing.drag((5, 3), (6, 4))  # the corner alone
-    assert areas(drawing)["room"] == 10.5
-    assert areas(drawing)["room_2"] == pytest.approx(6.75)
+    assert areas(drawing)["room"] == 10.5 and areas(drawing)["room_2"] == pytest.approx(6.75)
     for _ in range(2):
         drawing.press("Control+z")
     assert areas(drawing) == {"room": 9.0, "room_2": 6.0}

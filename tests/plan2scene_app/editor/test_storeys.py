@@ -26,7 +26,6 @@ def set_field(drawing, label, text):
 
 @pytest.fixture
 def two_floors(drawing):
-    """Two rooms, copied to a second floor, with stairs from the first."""
     drawing.two_rooms()
     press_button(drawing, "Copy to the top")
     drawing.press("PageDown", "t")
@@ -64,8 +63,7 @@ def test_a_copied_floor_and_stairs_make_a_house_of_two_storeys(two_floors, tmp_p
         ("Floor 1", 3.1, 2.8),
     ]
     assert {room.height for room in house.rooms if room.level == "ground"} == {2.6}
-    assert house.stairs[0].room_ids == ("room_2", "room_4")
-    assert len(house.doors) == 2
+    assert house.stairs[0].room_ids == ("room_2", "room_4") and len(house.doors) == 2
     told = {line.split("expected ")[1].split(", found")[0] for line in validate_house(house)}
     assert told == {problem["expected"] for problem in drawing.page.evaluate("editor.problems")}
 
@@ -82,7 +80,6 @@ def test_what_is_drawn_is_on_the_floor_that_is_shown(two_floors):
     assert {x for room in drawing.plan["rooms"] for x, _ in room["polygon"]} == {0, 3, 5}
     upper = [room for room in whole(drawing)["rooms"] if room["level"] == "floor_1"]
     assert {x for room in upper for x, _ in room["polygon"]} == {0, 3.5, 5, 8}
-    # Undo goes back on the other floor, too.
     for _ in range(2):
         drawing.press("Control+z")
     assert len(whole(drawing)["rooms"]) == 4
@@ -98,8 +95,7 @@ def test_a_problem_leads_to_its_floor_and_a_floor_is_removed(two_floors):
     drawing.drag((0, 0), (9, 3))
     set_field(drawing, "Height", "3.3")
     drawing.press("PageUp", "v")
-    line = drawing.page.locator("#problems li button", has_text="a ceiling below level ground")
-    line.click()
+    drawing.page.locator("#problems li button", has_text="a ceiling below level ground").click()
     assert drawing.page.evaluate("[editor.store.level, editor.selection.id]") == [
         "basement",
         "room_5",

@@ -18,8 +18,7 @@ def test_the_card_names_a_lamp_of_every_room(gap_house, paint, tmp_path):
     assert {zoom["object_id"] for zoom in card["zoom_areas"]} == {"a/floor", "b/floor"} <= {*names}
     files = [path.name for path in (tmp_path / "house_textures").iterdir()]
     assert not [name for name in (*names, *files) if "ceiling" in name]
-    model = trimesh.load(tmp_path / "house.obj", group_material=False, split_object=True)
-    low, high = model.bounds
+    low, high = trimesh.load(tmp_path / "house.obj", group_material=False, split_object=True).bounds
     assert np.allclose(low[[0, 2]], 0.0, atol=0.01)  # the corner of the plan, centimetres
     assert 600 < high[0] < 640 and 240 < high[1] < 300
 

@@ -11,7 +11,6 @@ RADIUS = 0.1
 
 
 def model_with(house, bodies):
-    """Return a model of a house with more bodies in it."""
     root = ET.fromstring(mjcf_text(house, house_solids(house)))
     world = root.find("worldbody")
     for body in bodies:
@@ -32,7 +31,6 @@ def ball(name, x, z):
 
 
 def pusher(x, z):
-    """Return an upright capsule that slides over the floor."""
     return (
         f'<body name="robot" pos="{x} {-z} 0.55"><joint name="rx" type="slide" axis="1 0 0"/>'
         '<joint name="ry" type="slide" axis="0 1 0"/>'
@@ -44,8 +42,7 @@ def pushed(house, start, force, *, doors=0.0, seconds=6.0):
     """Return the plan point (x, z) at which a capsule ends that is pushed along (x, z)."""
     model, data = model_with(house, [pusher(*start)])
     for number in range(model.njnt):
-        name = model.joint(number).name
-        if name.endswith("/hinge"):
+        if model.joint(number).name.endswith("/hinge"):
             low, high = model.jnt_range[number]
             data.qpos[model.jnt_qposadr[number]] = doors * (low if abs(low) > high else high)
     robot = model.body("robot").id

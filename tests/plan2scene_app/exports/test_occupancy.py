@@ -7,19 +7,15 @@ from plan2scene_app.exports.occupancy import FREE, OCCUPIED, RESOLUTION_M, UNKNO
 
 
 def at(grid, origin, x, z):
-    """Return the value at a plan point."""
     column = int((x - origin[0]) / RESOLUTION_M)
-    row = grid.shape[0] - 1 - int((-z - origin[1]) / RESOLUTION_M)
-    return grid[row, column]
+    return grid[(grid.shape[0] - 1 - int((-z - origin[1]) / RESOLUTION_M)), column]
 
 
 def test_values_where_the_plan_says(gap_house):
     grid, origin = occupancy(assemble(gap_house).storeys[0])
-    assert at(grid, origin, 1.5, 2.0) == FREE
-    assert at(grid, origin, 4.5, 2.0) == FREE
+    assert at(grid, origin, 1.5, 2.0) == FREE and at(grid, origin, 4.5, 2.0) == FREE
     assert at(grid, origin, 3.05, 1.4) == FREE  # the door, open
-    assert at(grid, origin, 3.05, 3.0) == OCCUPIED
-    assert at(grid, origin, -0.05, 2.0) == OCCUPIED
+    assert at(grid, origin, 3.05, 3.0) == OCCUPIED and at(grid, origin, -0.05, 2.0) == OCCUPIED
     assert at(grid, origin, -0.4, -0.4) == UNKNOWN
 
 

@@ -12,7 +12,6 @@ from plan2scene_app.exports.registry import RECORD, export_house, exports
 
 @pytest.fixture
 def made(gap_house, paint, tmp_path):
-    """Return a folder like one that `plan2scene run` leaves."""
     write_scene_json(gap_house, tmp_path / "house.scene.json")
     (tmp_path / "textures").mkdir()
     entries = {}

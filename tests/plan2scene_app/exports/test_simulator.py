@@ -33,6 +33,5 @@ def test_every_instance_has_a_colour_of_its_own(pack):
         seen["".join(f"{c:02X}" for c in colours[0])] = name
     assert seen.keys() == told.keys()
     categories = {seen[colour]: row[2].strip('"') for colour, row in told.items()}
-    assert categories["a/floor"] == "floor"
-    assert categories["structure/wall/a_w1"] == "wall"
+    assert categories["a/floor"] == "floor" and categories["structure/wall/a_w1"] == "wall"
     assert {told[c][3] for c, name in seen.items() if name.startswith("b/")} == {"1"}

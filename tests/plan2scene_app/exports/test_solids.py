@@ -3,6 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import shapely
+from sample_houses import with_openings
 from scipy.spatial.transform import Rotation
 
 from plan2scene_app.exports.solids import LEAST_WALL, SLAB, house_solids
@@ -23,8 +24,7 @@ def test_pieces_are_closed_convex_and_look_outward(house):
     solids = house_solids(house)
     assert len({solid.name for solid in solids}) == len(solids)
     for piece in (piece for solid in solids for piece in solid.pieces):
-        assert piece.is_watertight
-        assert piece.is_convex
+        assert piece.is_watertight and piece.is_convex
         assert piece.volume > 0
 
 
@@ -42,8 +42,7 @@ def test_slabs_are_the_rooms(house):
 
 @pytest.mark.parametrize(("name", "walls"), [("gap_house", 0.1), ("shared_house", LEAST_WALL)])
 def test_a_door_is_a_hole_with_a_floor_and_a_leaf(request, name, walls):
-    house = request.getfixturevalue(name)
-    solids = house_solids(house)
+    solids = house_solids(request.getfixturevalue(name))
     way = shapely.Point(3.0 + walls / 2 if name == "gap_house" else 3.0, 1.4)
     heads = [
         piece.bounds[0, 1]
@@ -56,8 +55,7 @@ def test_a_door_is_a_hole_with_a_floor_and_a_leaf(request, name, walls):
     floors = [s for s in solids if s.category == "floor" for p in s.pieces if area(p).contains(way)]
     assert floors or name == "shared_house"
     (leaf,) = [solid for solid in solids if solid.category == "door"]
-    assert set(leaf.room_ids) == {"a", "b"}
-    assert 0.6 < np.ptp(leaf.pieces[0].bounds[:, 2]) < 0.8
+    assert set(leaf.room_ids) == {"a", "b"} and 0.6 < np.ptp(leaf.pieces[0].bounds[:, 2]) < 0.8
 
 
 @pytest.mark.parametrize("name", ["gap_house", "l_house"])
@@ -68,16 +66,10 @@ def test_a_leaf_opens_into_its_room(request, name):
     axis = np.array([hinge.x, 0.0, hinge.z])
     turn = Rotation.from_euler("y", 90 * hinge.opens, degrees=True)
     moved = turn.apply(leaf.pieces[0].vertices - axis) + axis
-    room = house.room(leaf.room_ids[0])
-    inside = shapely.Polygon(room.rings[0]).buffer(0.06)
+    inside = shapely.Polygon(house.room(leaf.room_ids[0]).rings[0]).buffer(0.06)
     assert inside.contains(shapely.MultiPoint(moved[:, [0, 2]]).convex_hull)
 
 
 def test_a_hatch_between_rooms_has_no_pane(gap_house):
-    def glazed(wall):
-        openings = tuple(replace(o, kind="window", bottom=1.0) for o in wall.openings)
-        return replace(wall, openings=openings)
-
-    walls = tuple(glazed(wall) for wall in gap_house.walls)
-    solids = house_solids(replace(gap_house, walls=walls, doors=()))
-    assert {solid.category for solid in solids}.isdisjoint({"window", "door"})
+    hatch = with_openings(replace(gap_house, doors=()), kind="window", bottom=1.0)
+    assert {solid.category for solid in house_solids(hatch)}.isdisjoint({"window", "door"})

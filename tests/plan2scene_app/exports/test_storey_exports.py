@@ -18,8 +18,7 @@ def solids(storey_house):
 
 def test_bodies_are_closed_and_at_their_level(solids):
     assert all(piece.is_watertight for solid in solids.values() for piece in solid.pieces)
-    slab = solids["bedroom/floor"].pieces[0]
-    assert slab.bounds[:, 1] == pytest.approx([2.7, 2.8])
+    assert solids["bedroom/floor"].pieces[0].bounds[:, 1] == pytest.approx([2.7, 2.8])
     landing = sum(piece.volume for piece in solids["landing/floor"].pieces)
     assert landing == pytest.approx((2.4 * 6 + 2.2 - 0.9 * 3.6) * 0.1)
     assert solids["hall/stairs/stairs"].category == "stairs"

@@ -9,7 +9,6 @@ from pxr import Usd, UsdGeom, UsdPhysics, UsdShade, UsdValidation  # noqa: E402
 
 
 def complaints(path):
-    """Return what all of USD's validators say about a file."""
     registry = UsdValidation.ValidationRegistry()
     context = UsdValidation.ValidationContext(registry.GetOrLoadAllValidators())
     return [(e.GetName(), e.GetMessage()) for e in context.Validate(Usd.Stage.Open(str(path)))]
@@ -25,8 +24,7 @@ def folder(gap_house, paint, tmp_path):
 def test_valid_and_whole(folder, gap_house, paint, name):
     assert complaints(folder / name) == []
     stage = Usd.Stage.Open(str(folder / name))
-    assert UsdGeom.GetStageMetersPerUnit(stage) == 1.0
-    assert UsdGeom.GetStageUpAxis(stage) == "Y"
+    assert UsdGeom.GetStageMetersPerUnit(stage) == 1.0 and UsdGeom.GetStageUpAxis(stage) == "Y"
     prims = {prim.GetDisplayName(): prim for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)}
     textures = paint(gap_house)
     for part in assemble(gap_house).parts:
@@ -53,6 +51,5 @@ def test_collision_and_labels(folder):
         for prim in stage.Traverse()
         if prim.IsA(UsdGeom.Mesh)
     }
-    assert labels["a/floor"] == ["floor"]
-    assert labels["a/door/ha"] == ["door"]
+    assert labels["a/floor"] == ["floor"] and labels["a/door/ha"] == ["door"]
     assert all(labels.values())

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from glb_file import chunks
 from PIL import Image
-from sample_houses import walls_of
+from sample_houses import one_room, parts_of
 from shapely.geometry import Point
 
-from plan2scene.house import Door, House, Opening, Room, SurfaceKey
+from plan2scene.house import Door, Opening, SurfaceKey
 from plan2scene.images import png_bytes
 from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.baking import lamp_position
@@ -28,7 +28,6 @@ pytest.importorskip("embreex")
 
 
 def wall_light(light):
-    """Return the mean light of each room's walls."""
     _, values, owner = light.walls
     return {room: values[owner == room].mean() for room in np.unique(owner)}
 
@@ -36,6 +35,17 @@ def wall_light(light):
 def light_of(house):
     colours = {key: np.full(3, 0.6) for key in house.surface_keys()}
     return bake_light(house, assemble(house).parts, colours, 0.25)
+
+
+def texels(light, name):
+    """Return what a part has of the light's image."""
+    chart = light.charts[name]
+    (rows, columns), (row, column) = chart.size, (chart.row, chart.column)
+    return light.image[row : row + rows, column : column + columns]
+
+
+def view_in(house):
+    return camera_in(house, house.rooms[0].id, Rays.of(assemble(house).parts))
 
 
 def at(light, part, point):
@@ -49,19 +59,15 @@ def at(light, part, point):
 
 @pytest.fixture
 def windowed(gap_house):
-    """Room a has a window opposite to its door, room b has none."""
-    wall = next(wall for wall in gap_house.walls if wall.id == "a_w3")
-    lit = replace(wall, openings=(Opening("w", "window", 1.0, 3.0, 0.8, 2.2),))
-    walls = tuple(lit if other is wall else other for other in gap_house.walls)
-    return replace(gap_house, walls=walls)
+    window = (Opening("w", "window", 1.0, 3.0, 0.8, 2.2),)
+    walls = (replace(w, openings=window) if w.id == "a_w3" else w for w in gap_house.walls)
+    return replace(gap_house, walls=tuple(walls))
 
 
 def test_a_window_lights_the_floor_before_it(windowed):
     light = light_of(windowed)
-    parts = {part.name: part for part in assemble(windowed).parts}
-    floor = parts["a/floor"]
+    floor = parts_of(windowed)["a/floor"]
     assert at(light, floor, (0.8, 0, 2)).mean() > 1.15 * at(light, floor, (2.5, 0, 3.7)).mean()
-    # The sky is bluer than the lamp.
     near, far = (at(light, floor, (x, 0, z)) for x, z in ((0.5, 2.0), (2.7, 3.7)))
     assert near[2] / near[0] > far[2] / far[0]
     means = wall_light(light)
@@ -71,34 +77,26 @@ def test_a_window_lights_the_floor_before_it(windowed):
 
 
 def test_floors_are_as_bright_as_photos_show_them_beside_walls():
-    # A hall of 8 by 8 m: its lamp lights the floor much more than its walls.
-    ring = ((0.0, 0.0), (8.0, 0.0), (8.0, 8.0), (0.0, 8.0))
-    hall = Room("hall", ("Reception",), (ring,), 2.5)
-    light = light_of(House("h", (hall,), walls_of(hall, {})))
-    shown: dict[str, list[np.ndarray]] = {}
-    for chart in light.charts.values():
-        (height, width), kind = chart.size, chart.part.extras["kind"]
-        rows, columns = (slice(a, a + n) for a, n in ((chart.row, height), (chart.column, width)))
-        shown.setdefault(kind, []).append(light.image[rows, columns].reshape(-1, 3))
+    # The lamp of a hall of 8 by 8 m lights the floor much more than its walls.
+    light = light_of(one_room("Reception", 8.0, 8.0))
+    shown = {}
+    for name, chart in light.charts.items():
+        shown.setdefault(chart.part.extras["kind"], []).append(texels(light, name).reshape(-1, 3))
     floor, wall = (np.concatenate(shown[kind]).mean() for kind in ("floor", "wall"))
     assert floor == pytest.approx(1.1 * wall, rel=0.03)
 
 
 def test_a_small_window_throws_no_pictures_of_itself_on_far_walls():
     """Directions that all texels share would show it in some of them alone."""
-    ring = ((0.0, 0.0), (12.0, 0.0), (12.0, 9.0), (0.0, 9.0))
-    hall = Room("hall", ("Reception",), (ring,), 2.5)
     window = Opening("w", "window", 5.5, 6.5, 1.0, 2.0)
-    light = light_of(House("h", (hall,), walls_of(hall, {0: [window]})))
-    chart = light.charts["hall/wall/hall_w2"]  # opposite to the window, as the lamp in its middle
-    (rows, columns), (row, column) = chart.size, (chart.row, chart.column)
-    there = light.image[row : row + rows, column : column + columns].mean(axis=(0, 2))
+    light = light_of(one_room("Reception", 12.0, 9.0, {0: [window]}))
+    there = texels(light, "room/wall/room_w2").mean(axis=(0, 2))  # opposite to it, as the lamp
     np.testing.assert_allclose(there, there[::-1], rtol=0.2)
 
 
 def test_what_has_no_texels_has_the_light_of_walls_near_it(windowed):
     light = light_of(windowed)
-    parts = {part.name: part for part in assemble(windowed).parts}
+    parts = parts_of(windowed)
     door = parts["a/door/ha"]
     upright, x = np.abs(door.mesh.vertex_normals[:, 1]) < 0.1, door.mesh.vertices[:, 0]
     plain = light.of_plain(door)
@@ -114,7 +112,7 @@ def test_what_has_no_texels_has_the_light_of_walls_near_it(windowed):
 
 
 def test_light_runs_on_where_a_wall_of_one_plane_goes_on(storey_house):
-    parts = {part.name: part for part in assemble(storey_house).parts}
+    parts = parts_of(storey_house)
     light = light_of(storey_house)
     before, behind = (  # the hall's wall along two rooms that meet at z = 3.4, nearest to its lamp
         sample([light.image], light.uv(part)[end], np.ones(len(end))).mean(axis=1)
@@ -131,19 +129,11 @@ def test_rooms_drawn_a_little_into_each_other_have_no_dark_wall(gap_house):
     def moved(point):
         return (2.993, point[1]) if point[0] == 3.1 else point
 
-    rooms = tuple(
-        replace(room, rings=(tuple(map(moved, room.rings[0])),)) for room in gap_house.rooms
-    )
-    walls = tuple(
-        replace(wall, start=moved(wall.start), end=moved(wall.end)) for wall in gap_house.walls
-    )
-    house = replace(gap_house, rooms=rooms, walls=walls)
-    light = light_of(house)
+    rooms = (replace(r, rings=(tuple(map(moved, r.rings[0])),)) for r in gap_house.rooms)
+    walls = (replace(w, start=moved(w.start), end=moved(w.end)) for w in gap_house.walls)
+    light = light_of(replace(gap_house, rooms=tuple(rooms), walls=tuple(walls)))
     for name in ("a/wall/a_w1", "b/wall/b_w3"):
-        chart = light.charts[name]
-        place = (chart.row, chart.column)
-        rows, columns = (slice(n, n + m) for n, m in zip(place, chart.size, strict=True))
-        assert light.image[rows, columns].mean(axis=2).min() > 0.15
+        assert texels(light, name).mean(axis=2).min() > 0.15
 
 
 def test_lamps_hang_and_cameras_stand_inside_any_room(l_house, ring_house):
@@ -152,8 +142,7 @@ def test_lamps_hang_and_cameras_stand_inside_any_room(l_house, ring_house):
         polygon = room_polygon(room)
         lamp = lamp_position(house, room.id)
         assert Point(lamp[0], lamp[2]).within(polygon)
-        rays = Rays.of(assemble(house).parts)
-        camera = camera_in(house, room.id, rays)
+        camera = camera_in(house, room.id, Rays.of(assemble(house).parts))
         assert camera.position[1] == SETTINGS.eye_m
         assert polygon.contains(Point(camera.position[0], camera.position[2]))
         for eye, _ in standpoints(polygon):
@@ -163,23 +152,17 @@ def test_lamps_hang_and_cameras_stand_inside_any_room(l_house, ring_house):
 @pytest.mark.parametrize(("size", "down"), [((1.5, 1.7), 0.67), ((6.0, 5.0), 0.21)])
 def test_the_smaller_a_room_the_more_one_looks_at_its_floor(size, down):
     """In a bath of 2.5 square metres a flatter picture has walls alone."""
-    (width, depth), corner = size, (0.0, 0.0)
-    outline = (corner, (width, 0.0), size, (0.0, depth))
-    room = Room("bath", ("Bathroom",), (outline,), 2.5)
-    openings = {0: [Opening("way", "door", 0.3, 1.1, 0.0, 2.1)]}
-    house = House("h", (room,), walls_of(room, openings=openings), (Door("bath", "way", None),))
-    camera = camera_in(house, "bath", Rays.of(assemble(house).parts))
+    bath = one_room("Bathroom", *size, {0: [Opening("way", "door", 0.3, 1.1, 0.0, 2.1)]})
+    camera = view_in(replace(bath, doors=(Door("room", "way", None),)))
     assert -camera.matrix[2][1] == pytest.approx(down, abs=0.02)
 
 
 @pytest.mark.parametrize("opening", ["window", "door"])
 @pytest.mark.parametrize("wall", range(4))
 def test_the_picture_of_a_room_shows_its_window_or_wide_door(wall, opening):
-    outline = ((0.0, 0.0), (4.0, 0.0), (4.0, 3.5), (0.0, 3.5))
-    room = Room("bed", ("Bedroom",), (outline,), 2.5)
-    openings = {wall: [Opening("pane", opening, 0.9, 2.3, 0.9 * (opening == "window"), 2.1)]}
-    house = House("h", (room,), walls_of(room, openings=openings), ())
-    camera = camera_in(house, "bed", Rays.of(assemble(house).parts))
+    pane = Opening("pane", opening, 0.9, 2.3, 0.9 * (opening == "window"), 2.1)
+    house = one_room("Bedroom", 4.0, 3.5, {wall: [pane]})
+    camera = view_in(house)
     (holed,) = (w for w in house.walls if w.openings)
     x, z = np.add(holed.start, 1.6 / holed.length * np.subtract(holed.end, holed.start))
     right, down, ahead = camera.matrix @ (np.array([x, 1.5, z]) - camera.position)
@@ -188,11 +171,8 @@ def test_the_picture_of_a_room_shows_its_window_or_wide_door(wall, opening):
 
 
 def test_windows_are_not_looked_at_from_beside_their_wall():
-    outline = ((0.0, 0.0), (9.0, 0.0), (9.0, 4.0), (0.0, 4.0))
-    room = Room("long", ("Reception",), (outline,), 2.5)
     panes = [Opening(f"w{k}", "window", 6.3 + 0.6 * k, 6.8 + 0.6 * k, 0.9, 2.1) for k in range(4)]
-    house = House("h", (room,), walls_of(room, openings={0: panes}), ())
-    camera = camera_in(house, "long", Rays.of(assemble(house).parts))
+    camera = view_in(one_room("Reception", 9.0, 4.0, {0: panes}))
     assert camera.position[2] > 2.0  # they are at z = 0
 
 
@@ -207,22 +187,22 @@ def test_a_picture_shows_the_surfaces_in_their_colours(gap_house, paint):
     first = sheet[8 : 8 + SETTINGS.size[0], 8 : 8 + SETTINGS.size[1]].astype(int)
     assert sheet.dtype == np.uint8
     # Bright corners of the tiles are orange; nothing is black or burnt.
-    orange = (first[..., 0] > first[..., 2] + 60).mean()
-    assert 0.1 < orange < 0.5
-    assert (first.max(axis=2) < 12).mean() < 0.01
-    assert (first.min(axis=2) > 250).mean() < 0.01
+    assert 0.1 < (first[..., 0] > first[..., 2] + 60).mean() < 0.5
+    assert (first.max(axis=2) < 12).mean() < 0.01 and (first.min(axis=2) > 250).mean() < 0.01
     np.testing.assert_array_equal(drawn(gap_house, textures, parts), sheet)
 
 
-def test_a_bright_part_of_a_dim_picture_is_not_burnt(gap_house):
+def grey_tiles(house):
     tile = TileTexture(png_bytes(np.full((16, 16, 3), 150, np.uint8)), 0.7, True, "plaster", "t")
-    textures, parts = dict.fromkeys(gap_house.surface_keys(), tile), assemble(gap_house).parts
+    return dict.fromkeys(house.surface_keys(), tile)
+
+
+def test_a_bright_part_of_a_dim_picture_is_not_burnt(gap_house):
+    textures, parts = grey_tiles(gap_house), assemble(gap_house).parts
     light = bake_light(gap_house, parts, mean_colours(textures), 0.25)
     dim = replace(light, image=np.full_like(light.image, 0.3))
     for name in ("a/floor", "b/floor"):
-        chart = light.charts[name]
-        rows = slice(chart.row, chart.row + chart.size[0])
-        dim.image[rows, chart.column : chart.column + chart.size[1]] = 2.4
+        texels(dim, name)[:] = 2.4
     painter = painter_of(gap_house, textures, parts, light=dim)
     first = render_rooms(gap_house, Rays.of(parts), painter)[8:288, 8:428]
     assert np.median(first) > 60 and np.quantile(first, 0.98) < 240
@@ -235,9 +215,7 @@ def test_rooms_are_drawn_without_a_ray_tracer(gap_house, paint, monkeypatch):
 
 
 def test_a_surface_is_dark_in_its_corners_and_bright_below_the_lamp(gap_house):
-    tile = TileTexture(png_bytes(np.full((16, 16, 3), 150, np.uint8)), 0.7, True, "plaster", "t")
-    textures = dict.fromkeys(gap_house.surface_keys(), tile)
-    parts = assemble(gap_house).parts
+    textures, parts = grey_tiles(gap_house), assemble(gap_house).parts
     light = bake_light(gap_house, parts, mean_colours(textures), 0.2)
     lit = lit_textures(gap_house, parts, textures, light)
     floor = lit[SurfaceKey("b", "floor")]

@@ -111,7 +111,6 @@ def sheet_of(case):
 
 
 def frames(sheet, row):
-    """Return the frame's colour of each crop cell of a row, in order."""
     top = HEADER + row * ROW + TITLE + 2
     left = GAP + PANELS * (PANEL[1] + GAP)
     cells = [

@@ -22,8 +22,7 @@ def test_a_room_is_lit_and_shows_its_floor(gap_house, monkeypatch):
     red = TileTexture(png_bytes(np.full((4, 4, 3), (220, 30, 30), np.uint8)), 1.0)
     parts = assemble(gap_house).parts
     scene = path_tracing.TracedScene(mi, gap_house, parts, {SurfaceKey("b", "floor"): red})
-    camera = camera_in(gap_house, "b", Rays.of(parts))
-    small = camera.resized((58, 87))
+    small = camera_in(gap_house, "b", Rays.of(parts)).resized((58, 87))
     picture = scene.draw(small)
     assert picture.shape == (58, 87, 3) and np.isfinite(picture).all()
     low = picture[-12:].reshape(-1, 3).mean(axis=0)

@@ -9,8 +9,7 @@ from plan2scene_app.pictures.preview import render_preview
 
 def square(y, colour):
     builder = PartBuilder()
-    corners = np.array([[0, y, 0], [0, y, 1], [1, y, 1], [1, y, 0]], dtype=float)
-    builder.quad(corners, colour)
+    builder.quad(np.array([[0, y, 0], [0, y, 1], [1, y, 1], [1, y, 0]], dtype=float), colour)
     return builder.build(f"square {y}")
 
 
@@ -28,5 +27,4 @@ def test_preview_shows_each_floor_where_it_is(gap_house, paint):
     oblique = picture[:, 300:].astype(int)
     assert (oblique[..., 1] > oblique[..., 0] + 30).sum() > 500
     assert (oblique[..., 0] > oblique[..., 1] + 30).sum() > 500
-    again = render_preview(gap_house, textures, side=300)
-    np.testing.assert_array_equal(picture, again)
+    np.testing.assert_array_equal(picture, render_preview(gap_house, textures, side=300))

@@ -14,7 +14,6 @@ RED, BLUE = (np.full((128, 128, 3), c, np.uint8) for c in ((200, 30, 30), (30, 3
 
 @pytest.fixture
 def house(tmp_path):
-    """Two methods, three surfaces of which one floor has a crop."""
     listing = {}
     for name, seen in (("hall/wall", False), ("hall/floor", True), ("attic/floor", False)):
         listing[name] = {"observed": seen, "substance": "wood", "size_m": 1.0, "source": "x"}

@@ -24,7 +24,6 @@ def body(ends, thickness, **more):
 
 
 def sides(area):
-    """Two sides in feet and inches, as the label of a room has them."""
     x0, y0, x1, y1 = area.bounds
     feet = [divmod(round(side / 0.0254), 12) for side in (y1 - y0, x1 - x0)]
     return " x ".join(f"{foot}'{inch}\"" for foot, inch in feet)
@@ -53,15 +52,13 @@ def svg(tmp_path, inside, head='viewBox="0 0 1000 1000"'):
 @pytest.mark.parametrize("number", range(len(FLATS)))
 def test_round_trip(tmp_path, number):
     plan = drawn_flat(number)
-    found = read_plan(svg(tmp_path, elements(plan)), "h1", 1 / PIXELS)
-    assert_found(plan, found, heights=False)
+    assert_found(plan, read_plan(svg(tmp_path, elements(plan)), "h1", 1 / PIXELS), heights=False)
 
 
 @pytest.mark.parametrize("written", [lambda area: f"{area.area:.2f} m²", sides])
 def test_the_scale_is_read_from_written_sizes(tmp_path, written):
     plan = drawn_flat(2)
-    path = svg(tmp_path, elements(plan, written=written))
-    found = read_plan(path, "h1")
+    found = read_plan(svg(tmp_path, elements(plan, written=written)), "h1")
     (line,) = [line for line in found.warnings if "read from 4 written sizes" in line]
     assert float(line.split("none; ")[1].split()[0]) == pytest.approx(0.02, rel=0.003)
     assert len(found.rooms) == len(plan.rooms)
@@ -118,5 +115,4 @@ SQUARE = '<g class="Space Kitchen"><polygon points="0,0 100,0 100,100 0,100"/>{}
 )
 def test_bad_drawings_are_one_line(tmp_path, monkeypatch, inside, line):
     monkeypatch.setattr(cubicasa, "MAX_ITEMS", 2)
-    path = svg(tmp_path, inside)
-    assert line in refusal(path)
+    assert line in refusal(svg(tmp_path, inside))

@@ -153,12 +153,10 @@ def unlayered(doc, plan):
 
 
 def outlined(doc, plan):
-    """Each room an outline on a layer of its own."""
     doc.modelspace().delete_all_entities()
     for number, (_, _, area) in enumerate(plan.rooms):
         ring = points(area.exterior.coords[:-1])
-        layer = {"layer": f"F12-{number}"}
-        doc.modelspace().add_lwpolyline(ring, close=True, dxfattribs=layer)
+        doc.modelspace().add_lwpolyline(ring, close=True, dxfattribs={"layer": f"F12-{number}"})
 
 
 @pytest.mark.parametrize("change", [nested, hatched, unlayered, outlined])
@@ -185,8 +183,7 @@ def test_a_unit_that_does_not_suit_the_doors(tmp_path, units):
 
 
 def test_names_of_a_japanese_program(tmp_path):
-    doc = ezdxf.new("R12")
-    path = saved(doc, tmp_path)
+    path = saved(ezdxf.new("R12"), tmp_path)
     assert alphabet(path) is None
     named = path.read_bytes()
     path.write_bytes(named + "999\n基準線と壁の窓\n".encode("cp932"))
@@ -241,8 +238,7 @@ def test_curves_and_solids(tmp_path):
     )
     space.add_3dface([(0, 0, 0), (9, 0, 1), (9, 9, 2), (0, 9, 9)], dxfattribs={"layer": "WALL"})
     space.add_ellipse((0, 0), (1, 0), 0.5, dxfattribs={"layer": "FURNITURE"})
-    house = read_plan(saved(doc, tmp_path), "h1")
-    assert 8 < room_polygon(house.rooms[0]).area < 20
+    assert 8 < room_polygon(read_plan(saved(doc, tmp_path), "h1").rooms[0]).area < 20
 
 
 def test_blocks_in_blocks_are_bounded(tmp_path):

@@ -87,8 +87,7 @@ def test_one_room_alone(tmp_path, floors):
     found = read_plan(written(tmp_path, {**document, "objects": [sofa]}), "h1")
     assert room_polygon(found.rooms[0]).area == pytest.approx(area.area, rel=0.005)
     (icon,) = found.icons
-    assert icon.type == "sofa"
-    assert (*icon.p1, *icon.p2) == pytest.approx((1, 0.5, 3, 1.5))
+    assert icon.type == "sofa" and (*icon.p1, *icon.p2) == pytest.approx((1, 0.5, 3, 1.5))
 
 
 def test_one_floor_for_several_rooms_is_divided_by_the_walls(tmp_path):
@@ -119,12 +118,10 @@ def test_stairs_join_the_storeys(tmp_path):
     rooms[0]["objects"] = [stairs]
     found = read_plan(written(tmp_path, {"rooms": rooms}), "h1")
     (flight,) = found.stairs
-    assert flight.length == pytest.approx(1.2)
-    assert flight.width == pytest.approx(0.8)
+    assert flight.length == pytest.approx(1.2) and flight.width == pytest.approx(0.8)
     assert found.icons == ()
     assert None not in flight.room_ids
-    levels = [found.level_of(room).id for room in flight.room_ids]
-    assert levels == ["storey_0", "storey_1"]
+    assert [found.level_of(room).id for room in flight.room_ids] == ["storey_0", "storey_1"]
 
 
 WALL = surface("wall", (0, 0), (4, 0), 0, 2.5)
@@ -140,5 +137,4 @@ WALL = surface("wall", (0, 0), (4, 0), 0, 2.5)
     ],
 )
 def test_bad_scans_are_one_line(tmp_path, change, line):
-    path = written(tmp_path, {"walls": [{**WALL, **change}]})
-    assert line in refusal(path)
+    assert line in refusal(written(tmp_path, {"walls": [{**WALL, **change}]}))

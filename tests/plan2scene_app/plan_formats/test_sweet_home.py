@@ -19,7 +19,6 @@ def element(tag, children=(), **attributes):
 
 
 def home_xml(plan, *, rooms=True, level=None):
-    """Return the elements of a drawing as Sweet Home 3D writes them: centimetres."""
     on = {} if level is None else {"level": level}
     parts = []
     for hole in plan.holes:
@@ -94,8 +93,7 @@ def test_walls_alone_close_a_room_between_their_faces(tmp_path):
 
 
 def test_a_loose_end_meets_the_wall_whose_face_it_touches(tmp_path):
-    middle = wall(200, 10, 200, 290, thickness=10)
-    house = read_plan(home(tmp_path, *SQUARE, middle), "h1")
+    house = read_plan(home(tmp_path, *SQUARE, wall(200, 10, 200, 290, thickness=10)), "h1")
     assert [round(room_polygon(r).area, 3) for r in house.rooms] == [5.18, 5.18]
 
 
@@ -120,8 +118,7 @@ def test_rooms_of_an_impossible_size_are_refused(tmp_path):
 def test_a_curved_wall_bulges(tmp_path):
     curved = wall(400, 300, 0, 300, arcExtent=pi)
     house = read_plan(home(tmp_path, *SQUARE[:2], curved, SQUARE[3]), "h1")
-    area = room_polygon(house.rooms[0]).area
-    assert area == pytest.approx(3.8 * 2.9 + pi * 1.9**2 / 2, rel=0.02)
+    assert room_polygon(house.rooms[0]).area == pytest.approx(3.8 * 2.9 + pi * 1.9**2 / 2, rel=0.02)
 
 
 LEVELS = [("l0", "Ground", 0), ("l1", "Upper", 260)]
@@ -152,8 +149,7 @@ def test_a_staircase_joins_two_levels_and_a_layer_is_no_level(tmp_path):
 
 def test_rooms_and_walls_of_two_layers_are_one_floor(tmp_path):
     levels = [element("level", id=i, name=n, elevation=0, height=250) for i, n, _ in LEVELS]
-    corners = [(20, 20), (380, 20), (380, 280), (20, 280)]
-    points = [element("point", x=a, y=b) for a, b in corners]
+    points = [element("point", x=a, y=b) for a, b in [(20, 20), (380, 20), (380, 280), (20, 280)]]
     drawn = element("room", points, name="Kitchen", level="l0")
     point = element("room", points[:2], name="Nothing", level="l0")
     squares = [wall(*ends, level="l1") for ends in ENDS]
@@ -208,8 +204,7 @@ def test_furniture_is_kept_as_boxes_and_the_hidden_is_not(tmp_path):
 )
 def test_bad_homes_are_one_line(tmp_path, monkeypatch, content, line):
     monkeypatch.setattr(containers, "MAX_XML_ELEMENTS", 10_000)
-    path = write(tmp_path / "plan.sh3d", content)
-    assert line in refusal(path)
+    assert line in refusal(write(tmp_path / "plan.sh3d", content))
 
 
 def test_a_zip_bomb_is_never_unpacked(tmp_path, monkeypatch):

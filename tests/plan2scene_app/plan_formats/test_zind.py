@@ -114,5 +114,4 @@ def test_the_storey_with_most_floor_is_read(tmp_path):
     ],
 )
 def test_bad_layouts_are_one_line(tmp_path, room, line):
-    path = written(tmp_path, redraw={"room_0": room})
-    assert line in refusal(path)
+    assert line in refusal(written(tmp_path, redraw={"room_0": room}))

@@ -8,8 +8,6 @@ from studio_client import TOKEN, StudioClient
 
 
 class Studio(StudioClient):
-    """A server in a thread and the folder of its homes."""
-
     def __init__(self, root):
         from plan2scene_app.studio.app import studio_app
         from plan2scene_app.studio.server import http_server
@@ -17,8 +15,7 @@ class Studio(StudioClient):
         self.root = root
         listener = socket.create_server(("127.0.0.1", 0))
         self.port = listener.getsockname()[1]
-        app = studio_app(root, TOKEN, self.port, cores=1)
-        self.server = http_server(app)
+        self.server = http_server(studio_app(root, TOKEN, self.port, cores=1))
         self.thread = threading.Thread(target=self.server.run, args=([listener],), daemon=True)
         self.thread.start()
         self.url = f"http://127.0.0.1:{self.port}/{TOKEN}/"
@@ -39,7 +36,6 @@ def studio(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def context():
-    """Yield a browser's context, its window 1280x800."""
     with chromium() as browser:
         yield browser.new_context(viewport={"width": 1280, "height": 800})
 

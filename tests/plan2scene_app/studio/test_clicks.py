@@ -50,7 +50,6 @@ end("done")
 
 @pytest.fixture
 def drawing(open_home, studio, monkeypatch):
-    """Yield a new home opened in the studio, whose job is `JOB`."""
     monkeypatch.setattr(runs, "JOB", (sys.executable, "-c", JOB))
     with open_home(f"My home {len(list(studio.root.iterdir()))}") as found:
         yield found
@@ -219,7 +218,6 @@ def test_surfaces_are_clicked_and_set_by_hand(drawing, studio, tmp_path, monkeyp
         house.get_by_text("#204060").wait_for()
     hand.get_by_text("room, skirting and frames: #204060").wait_for()
     hand.get_by_text("room \u2013 room_2, door: #204060").wait_for()
-    # A colour out of a picture.
     Image.new("RGB", (60, 40), (200, 30, 20)).save(tmp_path / "swatch.png")
     hand.get_by_role("button", name="From a picture").click()
     page.set_input_files("#file-input", tmp_path / "swatch.png")
@@ -269,9 +267,7 @@ def test_a_drawing_without_scale_and_layers_is_asked_for_them(drawing, studio, t
     dialog.get_by_label("Metres a unit").fill("0,001")
     dialog.get_by_role("button", name="Read again").click()
     page.wait_for_function("() => editor.store.plan.rooms.length === 2 && !house.host.pending")
-    home = home_of(studio, drawing)
-    assert len(read_plan(home / "plan.json", "home").rooms) == 2
-    # Another width, by the panel's button, after a reload.
+    assert len(read_plan(home_of(studio, drawing) / "plan.json", "home").rooms) == 2
     page.reload()
     page.wait_for_selector("body[data-ready]")
     page.get_by_role("button", name="How the plan file is read").click()

@@ -26,7 +26,6 @@ RING = ((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0))
 
 
 def hostile_house(name):
-    """Return a house whose every text is that name."""
     door = Opening(name, "door", 1.0, 2.0, 0.0, 2.0)
     walls = tuple(
         Wall(f"{name}{k}", (name,), RING[k], RING[(k + 1) % 4], 2.5, openings=(door,) * (k == 0))
@@ -37,7 +36,6 @@ def hostile_house(name):
 
 
 def hostile_state(name):
-    """Return what the editor holds of such a house."""
     level = {"id": name, "name": name, "elevation": 0, "height": 2.5}
     room = {"id": name, "types": [name], "polygon": RING, "level": name}
     door = {"id": name, "kind": "door", "from": [1, 0], "to": [2, 0], "level": name}
@@ -77,8 +75,7 @@ def doubts(folder, name):
 def index(folder, name):
     house = folder / "houses" / "h"
     house.mkdir(parents=True)
-    room = Room("r", ("Bedroom",), (RING,), 2.5)
-    write_scene_json(House("h", (room,), ()), house / "scene.json")
+    write_scene_json(House("h", (Room("r", ("Bedroom",), (RING,), 2.5),), ()), house / "scene.json")
     with (folder / "table.csv").open("w", newline="") as file:
         csv.writer(file).writerows([[name], [name]])
     write_index(

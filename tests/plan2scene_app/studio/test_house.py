@@ -7,13 +7,11 @@ from plan2scene.images import write_png
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import room_polygon
 
-#: Seconds that the workflow has on a busy machine.
 LONGEST = 600
 
 
 @pytest.fixture
 def drawing(open_home, request):
-    """Yield a new home opened in the studio."""
     with open_home(request.node.name) as found:
         yield found
 
@@ -83,12 +81,10 @@ def test_a_picture_is_traced_mended_and_made(drawing, studio, tmp_path):
     drawing.click(high[0], (low[1] + high[1]) / 2)
     assert doors_of(drawing.plan) == doors + 1
     scene = made_house(drawing, tmp_path)
-    house = read_plan(folder_of(studio, drawing) / "plan.json", "home")
-    assert_is_the_plan(scene, house)
+    assert_is_the_plan(scene, read_plan(folder_of(studio, drawing) / "plan.json", "home"))
     assert sum("/door/" in name for name in scene.geometry) == doors + 1
 
 
 def bounds(plan):
-    """Return the least and greatest (x, z) of a plan's corners."""
     corners = np.concatenate([np.array(room["polygon"]) for room in plan["rooms"]])
     return corners.min(0), corners.max(0)

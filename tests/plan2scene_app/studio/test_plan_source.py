@@ -27,8 +27,7 @@ def asked(project, content):
 
 
 def size(plan):
-    points = np.concatenate([room["polygon"] for room in plan["rooms"]])
-    return np.ptp(points, axis=0)
+    return np.ptp(np.concatenate([room["polygon"] for room in plan["rooms"]]), axis=0)
 
 
 def test_a_drawing_without_a_unit_is_read_with_scale_and_layers(project):
@@ -39,17 +38,14 @@ def test_a_drawing_without_a_unit_is_read_with_scale_and_layers(project):
     assert reading["size"] is None  # none of the layers is of walls
     told = {(n["name"], n["count"], n["kind"]) for n in reading["names"]}
     assert told == {("W1", 5, ""), ("F.frame (1)", 1, "")}
-    given = {"width": 8, "dxf_layers": {"walls": "W1", "doors": ""}}
-    found = read_again(project, given)
+    found = read_again(project, {"width": 8, "dxf_layers": {"walls": "W1", "doors": ""}})
     assert size(found["plan"]) == pytest.approx([8, 4], abs=0.2)
     assert len(found["plan"]["rooms"]) == 2
     kept = json.loads((project.path / "plan_source.json").read_text())
     assert kept["metres_per_pixel"] == pytest.approx(0.001)
     assert kept["dxf_layers"] == {"walls": "W1"}
-    # The command line goes on with the same values.
     values = (kept["metres_per_pixel"], kept["dxf_layers"])
-    house = read_plan(project.path / "plan_source", "home", *values)
-    assert len(house.rooms) == 2
+    assert len(read_plan(project.path / "plan_source", "home", *values).rooms) == 2
     again = reading_of(project)
     assert again["size"] == pytest.approx((8000, 4000))
     assert {n["name"]: n["kind"] for n in again["names"]}["W1"] == "walls"
@@ -59,8 +55,7 @@ def test_a_width_stands_for_the_scale_of_an_svg(project):
     line, reading = asked(project, svg())
     assert line.startswith("expected metres_per_pixel up to 1")
     assert (reading["unit"], reading["size"], reading["names"]) == ("pixel", (800, 400), [])
-    found = read_again(project, {"width": 10.0})
-    assert size(found["plan"]) == pytest.approx([10, 5], rel=0.03)
+    assert size(read_again(project, {"width": 10.0})["plan"]) == pytest.approx([10, 5], rel=0.03)
     assert reading_of(project)["metres_per_pixel"] == pytest.approx(10 / 800)
     # A plan with another scale is read by that one, not by what was given for the last.
     asked(project, svg())

@@ -31,8 +31,7 @@ def photo(tmp_path, colour="red"):
 
 def state(project, **changes):
     plan = json.loads(EXAMPLE.read_text())
-    found = {"plan": plan, "photos": [], "place": None, "revision": project.revision()}
-    return found | changes
+    return {"plan": plan, "photos": [], "place": None, "revision": project.revision()} | changes
 
 
 def test_what_is_saved_is_what_run_reads(project, tmp_path):
@@ -57,7 +56,6 @@ def test_two_tabs_never_overwrite_each_other(project):
     project.save(state(project))
     with pytest.raises(Conflict):
         project.save(first)
-    # So does a change by another program.
     mine = state(project)
     (project.path / "photos.csv").write_text("room_id,photo\nhall,c.jpg\n")
     with pytest.raises(Conflict):
@@ -68,8 +66,7 @@ def test_two_tabs_never_overwrite_each_other(project):
 def test_files_that_did_not_change_keep_their_time(project):
     project.save(state(project))
     before = (project.path / "plan.json").stat().st_mtime_ns
-    photos = [{"name": "a.png", "rooms": ["hall"]}]
-    project.save(state(project, photos=photos))
+    project.save(state(project, photos=[{"name": "a.png", "rooms": ["hall"]}]))
     assert (project.path / "plan.json").stat().st_mtime_ns == before
 
 
@@ -152,8 +149,7 @@ def test_a_run_is_seen_and_cancelled_by_any_server(project, monkeypatch):
     while not (found := runs.status(project))["stages"]:
         time.sleep(0.05)
     # Nothing of this is in memory: another server would see the same.
-    assert found["state"] == "running"
-    assert found["stages"][0]["state"] == "running"
+    assert found["state"] == "running" and found["stages"][0]["state"] == "running"
     with pytest.raises(InputError, match="under way"):
         runs.start(project, settings)
     process = psutil.Process(json.loads((project.path / "run.json").read_text())["pid"])
@@ -171,8 +167,7 @@ def test_a_bad_plan_is_one_clear_line_of_the_real_job(project):
     runs.start(project, runs.settings_of({}, 1))
     found = wait(project, "failed")
     assert "room living: expected a room type" in found["fault"]
-    assert "'Ballroom'" in found["fault"]
-    assert found["stages"] == []
+    assert "'Ballroom'" in found["fault"] and found["stages"] == []
 
 
 @pytest.mark.parametrize(

@@ -15,8 +15,7 @@ def flat_labels():
     labels = np.zeros((150, 270), np.uint8)
 
     def paint(label, x0, y0, x1, y1):
-        rows = slice(round(y0 * PPM), round(y1 * PPM))
-        labels[rows, round(x0 * PPM) : round(x1 * PPM)] = label
+        labels[slice(round(y0 * PPM), round(y1 * PPM)), round(x0 * PPM) : round(x1 * PPM)] = label
 
     paint(WALL, 1.0, 1.0, 8.1, 4.1)
     for label, box in FLOORS.items():
@@ -28,19 +27,16 @@ def flat_labels():
 
 
 def solid_page(labels):
-    """Return a page (h, w, 3) whose walls are solid and everything else is blank."""
     page = np.full((*labels.shape, 3), 255, np.uint8)
     page[labels == WALL] = 0
     return page
 
 
 def line(text, x=0.0, y=0.0, size=(60.0, 12.0)):
-    """Return a line of text in the middle of a place, in pixels."""
     return TextLine(text, (x, y), size, 0.99)
 
 
 def as_probabilities(labels, sure=0.9):
-    """Return labels as probabilities (labels, h, w) float32."""
     count = len(PLAN_LABELS)
     found = np.full((count, *labels.shape), (1 - sure) / (count - 1), np.float32)
     np.put_along_axis(found, labels[None].astype(int), sure, axis=0)

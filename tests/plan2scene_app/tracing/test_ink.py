@@ -134,8 +134,7 @@ def test_leaves_in_a_gap_that_the_network_takes_for_floor_are_a_door(leaves):
     page = solid_page(labels)
     for hinge, start in ((50, 0), (94, 270))[:leaves]:
         cv2.ellipse(page, (151, hinge), (22, 22), 0, start, start + 90, (0, 0, 0), 1)
-    found = with_drawn_doors(labels, page, PPM)[51:94, 151]
-    assert (found == (DOOR if leaves else ROOM)).all()
+    assert (with_drawn_doors(labels, page, PPM)[51:94, 151] == (DOOR if leaves else ROOM)).all()
 
 
 def test_a_leaf_that_opens_towards_another_door_leaves_that_whole():
@@ -276,8 +275,7 @@ def test_the_slanted_lines_of_a_bay_are_no_panes():
     regions = find_regions(labels, PPM)
     polygons = room_polygons(regions)
     openings = find_openings(regions, polygons, as_probabilities(labels))
-    found = with_sliding_doors(openings, polygons, page, regions.wall_px, PPM, set())
-    assert found == openings
+    assert with_sliding_doors(openings, polygons, page, regions.wall_px, PPM, set()) == openings
 
 
 def test_the_outline_of_an_island_is_no_wall_but_a_pillar_is():

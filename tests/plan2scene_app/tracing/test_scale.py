@@ -34,8 +34,7 @@ from .conftest import line
     ],
 )
 def test_lengths(text, metres):
-    expected = [value for value in metres if value >= 0.3]
-    assert read_length(text) == pytest.approx(expected)
+    assert read_length(text) == pytest.approx([value for value in metres if value >= 0.3])
 
 
 @pytest.mark.parametrize(
@@ -101,7 +100,6 @@ def test_a_name_beside_its_measures(text, name):
     assert without_measures(text) == name
 
 
-#: Metres of a pixel in these tests.
 TRUE = 0.02
 
 

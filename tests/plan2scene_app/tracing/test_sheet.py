@@ -43,8 +43,7 @@ def test_a_photographed_sheet_is_seen_from_above_in_even_light(tilt):
     assert sheet.size[0] / sheet.size[1] == pytest.approx(page.shape[1] / page.shape[0], rel=0.03)
     flat = cv2.resize(sheet.straightened(photo), page.shape[1::-1], interpolation=cv2.INTER_AREA)
     assert flat[10:30, 10:-10].min() > 235
-    walls = np.median(flat[round(0.9 * PPM), round(1.2 * PPM) : round(5 * PPM)], axis=0)
-    assert walls.max() < 40
+    assert np.median(flat[round(0.9 * PPM), round(1.2 * PPM) : round(5 * PPM)], axis=0).max() < 40
     larger = sheet.enlarged(2.0)
     assert larger.size == (2 * sheet.size[0], 2 * sheet.size[1])
     assert larger.corners + 0.5 == pytest.approx(2 * (sheet.corners + 0.5))
@@ -54,8 +53,7 @@ def test_a_page_without_edges_gets_even_light():
     page = cv2.resize(flat_picture(), None, fx=2, fy=2)
     rows, columns = (np.linspace(0, 1, side) for side in page.shape[:2])
     light = (0.55 + 0.3 * columns[None] + 0.1 * rows[:, None])[..., None] * [1.0, 0.95, 0.85]
-    seen = (page * light).astype(np.uint8)
-    even = in_even_light(seen)
+    even = in_even_light((page * light).astype(np.uint8))
     assert even[(page == 255).all(axis=2)].min() > 245 and even[(page == 0).all(axis=2)].max() < 6
     room = cv2.GaussianBlur(
         np.random.default_rng(0).integers(0, 256, page.shape, np.uint8), (0, 0), 9

@@ -36,7 +36,6 @@ def picture(tmp_path):
 
 @pytest.fixture
 def texts(monkeypatch):
-    """Let the picture's texts be these, without a reader."""
     lines = [
         TextLine("Wohnzimmer", (150.0, 200.0), (80.0, 12.0), 0.99),
         TextLine("20,0 m²", (150.0, 220.0), (60.0, 12.0), 0.99),
@@ -68,8 +67,7 @@ def test_a_drawing_becomes_a_plan_by_the_command_the_same_again(picture, texts, 
     pixels = [np.divide(house.rooms[0].rings[0][k], place["metres_per_pixel"]) for k in (0, 1)]
     corner = plan.in_file(np.array(plan.rooms[0].polygon.exterior.coords[:2]))
     assert pixels + np.array(place["origin"]) == pytest.approx(corner, abs=3)
-    joined = [door for door in house.doors if door.room_b is not None]
-    assert len(joined) == 1
+    assert len([door for door in house.doors if door.room_b is not None]) == 1
     assert all(path.is_file() for path in traced_files(out))
     # What nothing is drawn of reaches the ceiling.
     full = replace(plan, openings=tuple(replace(o, full=True) for o in plan.openings))
@@ -144,8 +142,7 @@ def test_upright_text_that_is_hardly_read_is_read_again_turned(monkeypatch):
     def marks(image, **_):
         ys, xs = np.nonzero(image[..., 0] < 128)
         box = np.array([[x, y] for y in (ys.min(), ys.max()) for x in (xs.min(), xs.max())])
-        lies = np.ptp(xs) > np.ptp(ys)
-        text, score = ("POWDER", 0.99) if lies else ("PRORR", 0.7)
+        text, score = ("POWDER", 0.99) if (np.ptp(xs) > np.ptp(ys)) else ("PRORR", 0.7)
         return SimpleNamespace(boxes=[box], txts=[text], scores=[score])
 
     monkeypatch.setattr(lettering, "_reader", lambda: marks)
@@ -158,8 +155,7 @@ def test_upright_text_that_is_hardly_read_is_read_again_turned(monkeypatch):
 
 
 def _noise(height=400, width=600):
-    rng = np.random.default_rng(0)
-    small = rng.integers(0, 256, (height // 20, width // 20, 3), np.uint8)
+    small = np.random.default_rng(0).integers(0, 256, (height // 20, width // 20, 3), np.uint8)
     return cv2.resize(small, (width, height), interpolation=cv2.INTER_CUBIC)
 
 
@@ -214,8 +210,7 @@ def test_a_picture_of_12000_x_9000_pixels_is_worked_on_at_a_sixth(tmp_path):
     ImageDraw.Draw(page).rectangle((1200, 1200, 10_800, 7800), outline=0, width=120)
     page.save(tmp_path / "large.png")
     found = read_plan_picture(tmp_path / "large.png")
-    assert found.image.shape == (1500, 2000, 3)
-    assert (found.shrunk, found.corner) == (6, (0, 0))
+    assert found.image.shape == (1500, 2000, 3) and (found.shrunk, found.corner) == (6, (0, 0))
     assert found.image[500, 205].max() < 60 < 200 < found.image[500, 500].min()
 
 

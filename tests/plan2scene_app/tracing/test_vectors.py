@@ -51,8 +51,7 @@ def test_floor_that_goes_on_is_a_passage():
     labels = flat_labels()
     x0, x1 = round(4.9 * PPM), round(5.2 * PPM)
     labels[:, x0:x1][labels[:, x0:x1] > 1] = 1  # no door
-    gap = slice(round(2.1 * PPM), round(2.55 * PPM))
-    labels[gap, x0:x1] = ROOM
+    labels[slice(round(2.1 * PPM), round(2.55 * PPM)), x0:x1] = ROOM
     probabilities = as_probabilities(labels)
     regions, polygons = traced(probabilities)
     assert regions.count == 2
@@ -104,8 +103,7 @@ def test_what_lies_behind_a_thin_line_belongs_to_its_room(line_px, thin):
 
 def test_closed_rooms_taken_for_outside_are_rooms_and_a_light_well_is_none():
     labels = flat_labels()
-    closed = np.where(labels >= ROOM, OUTSIDE, labels)
-    assert find_regions(closed, PPM).count == 2
+    assert find_regions(np.where(labels >= ROOM, OUTSIDE, labels), PPM).count == 2
     well = labels.copy()
     well[well == WINDOW] = WALL
     well[well == 8] = OUTSIDE

@@ -8,7 +8,6 @@ from plan2scene.mesh.texture_files import TileTexture
 
 
 def checks(first, second):
-    """Return a PNG of 8 x 8 squares in two colours."""
     rows, columns = np.indices((64, 64)) // 8
     image = np.where(((rows + columns) % 2)[..., None] == 0, first, second).astype(np.uint8)
     return png_bytes(image)
@@ -16,7 +15,6 @@ def checks(first, second):
 
 @pytest.fixture
 def small_house():
-    """One room of 4 x 3 m with a window."""
     ring = ((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0))
     window = Opening("win", "window", 1.0, 2.5, 0.9, 2.0)
     walls = tuple(

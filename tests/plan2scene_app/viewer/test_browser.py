@@ -71,8 +71,7 @@ def view(browser, opened, small_glb, tmp_path):
         browser.open(opened["page"])
     browser.run(RESET)
     yield browser
-    assert browser.requests == []
-    assert browser.complaints == []
+    assert browser.requests == [] and browser.complaints == []
 
 
 def still(browser):
@@ -224,7 +223,6 @@ def test_keys_walk_and_no_wall_is_passed(view):
     view.page.keyboard.down("w")
     view.wait(f"eye.feet.z > {start} + 0.1")
     view.page.keyboard.up("w")
-    # Far beyond every wall, in many directions and out of the window: stays inside.
     inside = view.run(
         """(() => {
           const ends = [];
@@ -321,8 +319,7 @@ def test_nothing_is_drawn_when_nothing_moves(view):
 
 
 def test_doors_inside_are_passed_and_stairs_climbed(browser, gap_house, tmp_path):
-    stairs = IconBox("stairs", (5.0, 0.5), (5.9, 3.5))
-    gap_house = replace(gap_house, icons=(stairs,))
+    gap_house = replace(gap_house, icons=(IconBox("stairs", (5.0, 0.5), (5.9, 3.5)),))
     textures = {
         SurfaceKey(room, "floor"): TileTexture(png_bytes(np.full((4, 4, 3), 90, np.uint8)), 1.0)
         for room in ("a", "b")
@@ -372,8 +369,7 @@ def test_the_index_page_shows_pictures_and_runs_nothing(browser, small_house, tm
     blue = "<script>document.body.replaceChildren()</script></body>"
     page.write_text(text.replace("</body>", blue), encoding="utf-8")
     browser.open(page)
-    red = (browser.picture() == (255, 0, 0)).all(axis=2)
-    assert red.sum() > 2000
+    assert (browser.picture() == (255, 0, 0)).all(axis=2).sum() > 2000
 
 
 HEADSET = """

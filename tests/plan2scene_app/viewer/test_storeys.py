@@ -23,7 +23,6 @@ def view(tmp_path_factory):
 
 
 def shown(view):
-    """Return the rooms whose floors are drawn."""
     return set(
         view.run(
             """(() => {
@@ -43,8 +42,7 @@ def test_a_floor_is_chosen_and_its_rooms_are_listed(view):
     assert names == ["All", "Ground floor", "Upper floor"]
     view.run('$("floors").children[1].click()')
     assert shown(view) == ground
-    listed = '[...$("rooms").children].filter((item) => !item.hidden).length'
-    assert view.run(listed) == len(ground)
+    assert view.run('[...$("rooms").children].filter((item) => !item.hidden).length') == len(ground)
     view.run('$("floors").children[2].click()')
     assert shown(view) == upper
     view.run('$("floors").children[0].click()')

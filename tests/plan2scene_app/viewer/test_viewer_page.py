@@ -46,8 +46,7 @@ def test_the_policy_knows_the_scripts_and_the_style_by_hash(page):
     rules = {rule.split()[0]: rule.split()[1:] for rule in policy.split("; ")}
     assert rules["script-src"] == hashes(r"<script>(.*?)</script>")
     assert len(rules["script-src"]) == 2
-    assert rules["style-src"] == hashes(r"<style>(.*?)</style>")
-    assert "connect-src" not in rules
+    assert rules["style-src"] == hashes(r"<style>(.*?)</style>") and "connect-src" not in rules
 
 
 def test_the_same_bytes_each_time(small_glb, tmp_path):
@@ -73,8 +72,7 @@ def tables(tmp_path):
     pd.DataFrame(rows, columns=names).to_parquet(tmp_path / "propagated.parquet")
     png = png_bytes(np.full((128, 128, 3), (200, 100, 40), np.uint8))
     crops = [("floor/a_0_crop0", "a.jpg", png), ("floor/b_0_crop0", "b.jpg", png)]
-    frame = pd.DataFrame(crops, columns=["crop_id", "photo", "png"])
-    frame.to_parquet(tmp_path / "crops.parquet")
+    pd.DataFrame(crops, columns=["crop_id", "photo", "png"]).to_parquet(tmp_path / "crops.parquet")
     shared = {"width": 4, "height": 3, "focal_px": 5.0, "cx": 2, "cy": 1, "located": 0.7}
     shared |= {"rotation": np.eye(3).tolist()}
     write_json(

@@ -32,8 +32,7 @@ def test_plan_is_valid_and_every_room_is_reachable(house):
     polygons = [shapely.Polygon(room.rings[0]) for room in house.rooms]
     union = shapely.unary_union(polygons)
     assert union.area == pytest.approx(sum(p.area for p in polygons), rel=1e-6)
-    assert union.geom_type == "Polygon"
-    assert not union.interiors
+    assert union.geom_type == "Polygon" and not union.interiors
     for room in house.rooms:
         lengths = sum(wall.length for wall in house.walls_of(room.id))
         assert lengths == pytest.approx(shapely.Polygon(room.rings[0]).length, rel=1e-6)
@@ -51,15 +50,13 @@ def test_openings_are_in_the_walls_of_their_rooms(house):
     segments = opening_segments(house)
     rim = shapely.unary_union([shapely.Polygon(r.rings[0]) for r in house.rooms]).exterior
     for name, kind in kinds.items():
-        single = kind == "window" or name in outer
-        assert len(segments[name]) == (1 if single else 2)
+        assert len(segments[name]) == (1 if (kind == "window" or name in outer) else 2)
         assert len(set(segments[name])) == 1
         line = shapely.LineString(np.reshape(segments[name][0], (2, 2)))
         assert kind != "window" or rim.buffer(1e-2).contains(line)
     assert {door.opening_id for door in house.doors} == {n for n in kinds if kinds[n] != "window"}
     for wall in house.walls:
-        ordered = wall.openings
-        assert all(a.end <= b.start for a, b in pairwise(ordered))
+        assert all(a.end <= b.start for a, b in pairwise(wall.openings))
 
 
 def test_same_seed_same_house():

@@ -43,13 +43,11 @@ def _small_and_unrendered():
 
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
-    """A data set with one house, and the house."""
     root = tmp_path_factory.mktemp("residence")
     return root, residences.write_residence(root, "home_1", "val", 3, options=OPTIONS)
 
 
 def digest(folder):
-    """Return the hash of every file under a folder."""
     return {
         str(file.relative_to(folder)): hashlib.sha256(file.read_bytes()).hexdigest()
         for file in sorted(folder.rglob("*"))
@@ -61,26 +59,22 @@ def test_a_house_has_plan_photos_and_truth(written):
     root, house = written
     again = read_scene_json(root / "archs_no_objects/val/home_1.scene.json", "home_1")
     assert validate_house(again) == []
-    assert again.rooms == house.rooms
-    assert again.adjacency() == house.adjacency()
+    assert again.rooms == house.rooms and again.adjacency() == house.adjacency()
     table = (root / "photo_assignments/val/home_1.photoroom.csv").read_text().splitlines()
     rows = [line.split(",") for line in table]
-    assert rows[0] == ["room_id", "photo"]
-    assert 4 <= len(rows) - 1 <= 8
+    assert rows[0] == ["room_id", "photo"] and 4 <= len(rows) - 1 <= 8
     truth = root / "truth/val/home_1"
     cameras = read_json(truth / "cameras.json")
     assert list(cameras) == [photo for _, photo in rows[1:]]
     for room, photo in rows[1:]:
         assert cameras[photo]["room_id"] == room
         assert read_image(root / "photos" / photo).shape == (24, 32, 3)
-        labels = read_label_png(truth / "masks" / f"{Path(photo).stem}.png")
-        assert labels.max() <= 3
+        assert read_label_png(truth / "masks" / f"{Path(photo).stem}.png").max() <= 3
         assert (truth / "planes" / f"{Path(photo).stem}.png").is_file()
     materials = json.loads((truth / "materials.json").read_text())
     assert set(materials) == {f"{k.room_id}/{k.surface}" for k in house.surface_keys()}
     for key in house.surface_keys():
-        tile = read_image(truth / "materials" / f"{key.filename}.png")
-        assert tile.shape == (32, 32, 3)
+        assert read_image(truth / "materials" / f"{key.filename}.png").shape == (32, 32, 3)
         assert materials[f"{key.room_id}/{key.surface}"]["size_m"] > 0.1
 
 
@@ -102,8 +96,6 @@ def test_index_lists_houses_and_hides_nested_shares(tmp_path):
     assert (root / "data_lists/train.txt").read_text() == "home_train_000\n"
     hidden = read_unobserved(root / "unobserved_photos.json")
     photos = {file.name for file in (root / "photos").iterdir()}
-    assert hidden["0.0"] == []
-    assert set(hidden["1.0"]) == photos
-    shares = [set(hidden[f"{k / 10:.1f}"]) for k in range(0, 11, 2)]
-    assert all(a < b for a, b in pairwise(shares))
+    assert hidden["0.0"] == [] and set(hidden["1.0"]) == photos
+    assert all(a < b for a, b in pairwise([set(hidden[f"{k / 10:.1f}"]) for k in range(0, 11, 2)]))
     assert len(hidden["0.6"]) == pytest.approx(0.6 * len(photos), abs=3)

@@ -20,7 +20,6 @@ pytest.importorskip("drjit", exc_type=ImportError)
 
 
 def fake_shots(house, room_id, *_, long_side, amodal, **__):
-    """Yield two photos of noise."""
     size = (3 * long_side // 4, long_side)
     for k in range(2):
         rng = np.random.default_rng(len(room_id) + k)
@@ -39,8 +38,7 @@ def fake_shots(house, room_id, *_, long_side, amodal, **__):
 def test_a_house_of_snapshots_is_a_data_set(tmp_path, monkeypatch, targets):
     monkeypatch.setattr(snapshots, "shoot_room", fake_shots)
     monkeypatch.setattr(snapshots, "load_mitsuba", lambda variant: None)
-    small = partial(assign_materials, size_px=32)
-    monkeypatch.setattr(snapshots, "assign_materials", small)
+    monkeypatch.setattr(snapshots, "assign_materials", partial(assign_materials, size_px=32))
     options = snapshots.SnapshotOptions(views=2, long_side=32, targets=targets, amodal=targets)
     earlier = tmp_path / "photos" / "h_1_99.jpg"
     earlier.parent.mkdir()
@@ -50,8 +48,7 @@ def test_a_house_of_snapshots_is_a_data_set(tmp_path, monkeypatch, targets):
     assert not earlier.exists()
     truth = tmp_path / "truth" / "train" / "h_1"
     cameras = read_json(truth / "cameras.json")
-    row = read_table(tmp_path / "houses.tsv")["h_1"]
-    assert sorted(row.photos) == sorted(cameras)
+    assert sorted(read_table(tmp_path / "houses.tsv")["h_1"].photos) == sorted(cameras)
     assert len(cameras) >= 2 and {c["room_id"] for c in cameras.values()} <= {
         room.id for room in house.rooms
     }

@@ -18,8 +18,7 @@ def test_views_stand_in_the_room_and_keep_their_ranges():
         polygon = shapely.Polygon(house.room(view.room_id).rings[0])
         stand = shapely.Point(view.position[0], view.position[2])
         assert polygon.contains(stand) and polygon.exterior.distance(stand) >= 0.3
-        assert 1.2 <= view.position[1] <= 1.7
-        assert 50 <= np.degrees(view.fov) <= 90
+        assert 1.2 <= view.position[1] <= 1.7 and 50 <= np.degrees(view.fov) <= 90
         assert abs(np.degrees(view.pitch)) <= 8 and abs(np.degrees(view.roll)) <= 2
         rotation = view.rotation()
         assert np.allclose(rotation @ rotation.T, np.eye(3))
@@ -48,5 +47,4 @@ def test_furniture_stays_inside_and_clear_of_the_camera(seed):
     assert shapely.contains(inside, points).all()
     assert vertices[:, 1].min() >= -1e-6 and vertices[:, 1].max() <= room.height
     tall = vertices[:, 1] > 0.05
-    on_floor = vertices[:, 1] < 1.2
-    assert shapely.distance(points[tall & on_floor], camera).min() > 0.1
+    assert shapely.distance(points[tall & (vertices[:, 1] < 1.2)], camera).min() > 0.1

@@ -22,8 +22,7 @@ SIZE = (27, 36)
 
 
 def _material(name, colour, size=1.0):
-    albedo = np.full((16, 16, 3), colour, np.uint8)
-    return Material(name, "plaster", "paint", albedo, size, 1.0)
+    return Material(name, "plaster", "paint", np.full((16, 16, 3), colour, np.uint8), size, 1.0)
 
 
 def _materials():
@@ -38,8 +37,7 @@ def _materials():
 @pytest.fixture(scope="module")
 def photos():
     house = reception_and_bedroom()
-    views = plan_views(house, ["a", "b"], 3, 11)
-    return list(_render(house, views))
+    return list(_render(house, plan_views(house, ["a", "b"], 3, 11)))
 
 
 def _render(house, views, decor=None):
@@ -75,15 +73,13 @@ def test_unprojected_pixels_lie_on_their_planes():
     house = reception_and_bedroom()
     view = plan_views(house, ["a"], 1, 11)[0]
     scene = build_room_scene(house, "a", _materials(), {}, [view], 5)
-    tracer = Tracer(scene.geometry, scene.finishes, load_mitsuba(VARIANT))
-    truth = tracer.truth(view, SIZE)
+    truth = Tracer(scene.geometry, scene.finishes, load_mitsuba(VARIANT)).truth(view, SIZE)
     offset = np.array([p.offset for p in scene.planes])
     normal = np.array([p.normal for p in scene.planes])
     known = truth.planes != 255
     assert known.mean() > 0.3
     points, index = truth.position[known], truth.planes[known]
     assert np.abs((points * normal[index]).sum(1) - offset[index]).max() < 0.02
-    # and the pinhole of the conventions maps them back to their pixels
     rotation = view.rotation()
     focal = SIZE[1] / 2 / np.tan(view.fov / 2)
     camera = (truth.position[known] - view.position) @ rotation.T
@@ -94,16 +90,14 @@ def test_unprojected_pixels_lie_on_their_planes():
 
 def test_same_seed_same_bytes(photos):
     house = reception_and_bedroom()
-    views = [photo.view for photo in photos]
-    photo, again = photos[0], next(_render(house, views))
+    photo, again = photos[0], next(_render(house, [photo.view for photo in photos]))
     assert (again.image == photo.image).all()
     assert (again.labels == photo.labels).all() and again.camera == photo.camera
 
 
 def test_models_furnish_listings_and_keep_clear_of_cameras(tmp_path):
     house = reception_and_bedroom()
-    models = read_model_index(model_folder(tmp_path), train=True)
-    decor = listing_decor(Sources(models=models), 3)
+    decor = listing_decor(Sources(models=read_model_index(model_folder(tmp_path), train=True)), 3)
     views = plan_views(house, ["a"], 3, 11)
     scene = build_room_scene(house, "a", _materials(), {}, views, 5, decor=decor)
     things = scene.geometry.joined()["model"].solid.vertices

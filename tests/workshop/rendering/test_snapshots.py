@@ -21,7 +21,6 @@ pytest.importorskip("mitsuba", exc_type=ImportError)
 
 @pytest.fixture(scope="module")
 def mi():
-    """Mitsuba with a vectorised variant."""
     found = load_mitsuba()
     if found.variant().startswith("scalar"):
         pytest.skip("needs LLVM")
@@ -46,8 +45,7 @@ def test_snapshots_are_reproducible_and_see_the_room(mi, snapshots):
     again = _shoot(mi, 3)
     assert len(snapshots) == 2
     for first, second in zip(snapshots, again, strict=True):
-        assert first.camera == second.camera
-        assert np.array_equal(first.labels, second.labels)
+        assert first.camera == second.camera and np.array_equal(first.labels, second.labels)
         assert np.array_equal(first.image, second.image)
         assert max(first.labels.shape) == 64 and first.image.shape[:2] == first.labels.shape
         assert set(np.unique(first.labels)) <= set(range(6)) and len(np.unique(first.labels)) > 2
@@ -73,8 +71,7 @@ def test_depth_normals_and_labels_agree_with_the_camera(snapshots):
         assert floor.any()
         assert np.abs(world[floor][:, 1]).max() < 0.01
         assert normal[floor][:, 1].min() > 0.98
-        wall = shot.labels == 2
-        assert np.median(np.abs(normal[wall][:, 1])) < 0.02
+        assert np.median(np.abs(normal[(shot.labels == 2)][:, 1])) < 0.02
         assert ((normal * (ray @ rotation)).sum(-1)[depth > 0] < 0.02).all()
 
 
@@ -95,8 +92,7 @@ def test_textures_are_seen_the_right_way_up(mi):
         "tile", quad(np.array([1, 2.0, 2]), np.array([-2.0, 0, 0]), np.array([0, -2.0, 0]))
     )
     tracer = QuickTracer(geometry, {"tile": Finish(tile, 2.0)}, mi)
-    view = View("a", (0.0, 1.0, 0.0), 0.0, 0.0, 0.0, np.pi / 2, 0)
-    albedo = tracer.albedo(view, (32, 32))
+    albedo = tracer.albedo(View("a", (0.0, 1.0, 0.0), 0.0, 0.0, 0.0, np.pi / 2, 0), (32, 32))
     corners = albedo[10, 10], albedo[10, 21], albedo[21, 10], albedo[21, 21]
     red = (200 / 255) ** 2.2
     assert corners[0] == pytest.approx([red, 0, 0], abs=0.02)
