@@ -92,7 +92,7 @@ def test_parquet_round_trip_with_metadata(tmp_path):
     assert [list(v) for v in back["v"]] == [[0.5, 1.0], [2.0]]
 
 
-def test_a_damaged_parquet_file_is_named_with_what_helps(tmp_path):
+def test_damaged_and_foreign_parquet_files_are_named_with_what_helps(tmp_path):
     path = tmp_path / "x.parquet"
     p2s_io.write_parquet(path, pd.DataFrame({"a": range(999)}), {})
     whole = path.read_bytes()
@@ -100,9 +100,6 @@ def test_a_damaged_parquet_file_is_named_with_what_helps(tmp_path):
         path.write_bytes(damaged)
         with pytest.raises(InputError, match=rf"{path}: expected a whole .*`rm '{path}'`"):
             p2s_io.read_parquet(path)
-
-
-def test_foreign_parquet_is_refused(tmp_path):
     pd.DataFrame({"a": [1]}).to_parquet(tmp_path / "x.parquet")
     with pytest.raises(InputError):
         p2s_io.read_parquet(tmp_path / "x.parquet")

@@ -28,12 +28,20 @@ def fresh(*modules, packages):
     return code_hash(*modules, packages=packages)
 
 
-def test_a_change_far_down_changes_the_hash_and_one_elsewhere_does_not(packages):
+def test_a_change_far_down_or_of_a_named_data_file_changes_the_hash_and_one_elsewhere_does_not(
+    packages,
+):
     before = fresh("library.top", packages=packages)
     (packages[0] / "other.py").write_text("Y = 2\n")
     assert fresh("library.top", packages=packages) == before
     (packages[0] / "far.py").write_text("X = 2\n")
     assert fresh("library.top", packages=packages) != before
+    (packages[0] / "other.py").write_text('TABLE = "table.csv"\n')
+    (packages[0] / "table.csv").write_text("a\n")
+    before = fresh("library.other", packages=packages), fresh("library.top", packages=packages)
+    (packages[0] / "table.csv").write_text("b\n")
+    assert fresh("library.other", packages=packages) != before[0]
+    assert fresh("library.top", packages=packages) == before[1]
 
 
 def test_imports_of_a_source_wherever_they_stand(tmp_path):
@@ -45,15 +53,6 @@ def test_imports_of_a_source_wherever_they_stand(tmp_path):
         "    match q:\n        case 1:\n            import r\n"
     )
     assert imports(file) == {"a.b", "d", "e", "e.g", "e.k", "m", "o", "o.p", "r"}
-
-
-def test_a_data_file_that_a_module_names_counts(packages):
-    (packages[0] / "other.py").write_text('TABLE = "table.csv"\n')
-    (packages[0] / "table.csv").write_text("a\n")
-    before = fresh("library.other", packages=packages), fresh("library.top", packages=packages)
-    (packages[0] / "table.csv").write_text("b\n")
-    assert fresh("library.other", packages=packages) != before[0]
-    assert fresh("library.top", packages=packages) == before[1]
 
 
 def test_contents_decide_whatever_the_times(tmp_path):

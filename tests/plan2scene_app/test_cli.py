@@ -69,7 +69,7 @@ def test_texture_writes_a_tile(tmp_path):
     assert Image.open(out).size == (128, 128)
 
 
-def test_check_tells_errors_by_its_exit_code(tmp_path):
+def test_check_tells_errors_by_its_exit_code_and_of_a_picture_that_it_is_traced(tmp_path):
     assert call("check", PLAN)[0] == 0
     plan = json.loads(PLAN.read_text())
     plan["rooms"][0]["types"] = ["Dungeon"]
@@ -78,6 +78,13 @@ def test_check_tells_errors_by_its_exit_code(tmp_path):
     code, output = call("check", wrong)
     assert code == 1
     assert "Dungeon" in output and "expected" in output
+    Image.fromarray(np.full((200, 300, 3), 180, np.uint8)).save(tmp_path / "plan.png")
+    code, output = call("check", tmp_path / "plan.png")
+    assert code == 0
+    assert "plan2scene trace" in output and output.splitlines()[-1] == "1 problems"
+    (tmp_path / "cut.png").write_bytes((tmp_path / "plan.png").read_bytes()[:60])
+    code, output = call("check", tmp_path / "cut.png")
+    assert code == 1 and "error: file" in output
 
 
 def test_run_refuses_a_room_the_plan_lacks_before_any_work(tmp_path, monkeypatch, capsys):
@@ -208,13 +215,3 @@ def test_what_a_run_shows_reaches_the_workflow(tmp_path, monkeypatch):
     with pytest.raises(WorkflowError, match="the workflow failed"):
         make(asked[1], tmp_path / "made", cores=1)
     assert command[command.index("--workflow-profile") + 1] == "none"
-
-
-def test_check_tells_of_a_picture_that_it_is_traced(tmp_path):
-    Image.fromarray(np.full((200, 300, 3), 180, np.uint8)).save(tmp_path / "plan.png")
-    code, output = call("check", tmp_path / "plan.png")
-    assert code == 0
-    assert "plan2scene trace" in output and output.splitlines()[-1] == "1 problems"
-    (tmp_path / "cut.png").write_bytes((tmp_path / "plan.png").read_bytes()[:60])
-    code, output = call("check", tmp_path / "cut.png")
-    assert code == 1 and "error: file" in output

@@ -28,7 +28,7 @@ def request(folder):
     )
 
 
-def test_an_older_file_takes_the_place_of_a_newer_one(given):
+def test_copies_follow_the_contents_of_what_is_given_whatever_their_time(given):
     work = given / "work"
     prepare(request(given / "1"), ["a.jpg", "b.jpg"], work)
     copies = {
@@ -40,18 +40,12 @@ def test_an_older_file_takes_the_place_of_a_newer_one(given):
     prepare(request(given / "2"), ["a.jpg", "b.jpg"], work)
     for name, copy in copies.items():
         assert copy.read_text() == f"{name} 2" and copy.stat().st_mtime_ns > before[name]
-
-
-def test_the_same_contents_are_no_change_whatever_their_time(given):
     work = given / "work"
     prepare(request(given / "1"), ["a.jpg"], work)
     before = (work / "dataset/photos/a.jpg").stat().st_mtime_ns
     os.utime(given / "1" / "a.jpg", (10, 10))
     prepare(request(given / "1"), ["a.jpg"], work)
     assert (work / "dataset/photos/a.jpg").stat().st_mtime_ns == before
-
-
-def test_a_photo_that_is_gone_leaves_no_copy(given):
     work = given / "work"
     prepare(request(given / "1"), ["a.jpg", "b.jpg"], work)
     (given / "1" / "b.jpg").unlink()

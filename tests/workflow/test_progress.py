@@ -40,16 +40,13 @@ def made(stream, settings=None):
     return stream.getvalue()
 
 
-def test_a_line_says_count_rule_house_and_seconds():
+def test_a_line_says_count_rule_house_and_seconds_and_a_terminal_gets_a_bar():
     lines = made(io.StringIO()).splitlines()
     assert [line.split() for line in lines] == [
         ["1", "of", "2", "crops", "flat_1", "2.5", "s"],
         ["2", "of", "2", "paper_table", "0.2", "s"],
         ["disk", "full"],
     ]
-
-
-def test_a_terminal_gets_a_bar_below_the_lines():
     text = made(Terminal())
     assert f"[{'#' * 15}{'.' * 15}]\r" in text and f"[{'#' * 30}]\n" in text
 

@@ -24,13 +24,10 @@ def label_at(drawn, x, z):
     return int(drawn.labels[int(row), int(column)])
 
 
-def test_every_room_has_its_label_inside(drawn):
+def test_labels_are_of_the_rooms_and_the_openings_in_walls_that_close_them(drawn):
     for room, types in zip(drawn.plan.rooms, drawn.plan.types, strict=True):
         spot = room.buffer(-0.3).representative_point()
         assert label_at(drawn, spot.x, spot.y) == LABEL_OF_TYPE[types[0]]
-
-
-def test_openings_lie_in_walls_that_close_the_rooms(drawn):
     kinds = {"door": DOOR, "window": WINDOW}
     for gap in drawn.plan.gaps:
         middle = (gap.start + gap.end) / 2

@@ -198,6 +198,14 @@ def test_normals_depth_and_openings_are_read_where_there_are_some(tmp_path):
     assert photo.geometry[-1, 0].tolist() == [0, 0, 0, 2.5]
 
 
+def test_a_split_without_photos_is_an_error(tmp_path):
+    _write_data_set(tmp_path)
+    assert [p.name for p in read_labelled_photos(tmp_path, "val", long_side=32)] == ["h2_a.png"]
+    (tmp_path / "data_lists" / "val.txt").write_text("")
+    with pytest.raises(InputError, match=r"val\.txt"):
+        read_labelled_photos(tmp_path, "val", long_side=32)
+
+
 def test_amodal_labels_are_learned_where_there_are_some(tmp_path):
     _write_data_set(tmp_path)
     visible = read_labelled_photos(tmp_path, "train", long_side=32)[0]
@@ -211,11 +219,3 @@ def test_amodal_labels_are_learned_where_there_are_some(tmp_path):
     photo = read_labelled_photos(tmp_path, "train", long_side=32)[0]
     np.testing.assert_array_equal(photo.labels, visible.labels)
     np.testing.assert_array_equal(photo.learned, np.full((24, 32), WINDOW))
-
-
-def test_a_split_without_photos_is_an_error(tmp_path):
-    _write_data_set(tmp_path)
-    assert [p.name for p in read_labelled_photos(tmp_path, "val", long_side=32)] == ["h2_a.png"]
-    (tmp_path / "data_lists" / "val.txt").write_text("")
-    with pytest.raises(InputError, match=r"val\.txt"):
-        read_labelled_photos(tmp_path, "val", long_side=32)

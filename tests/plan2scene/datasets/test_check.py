@@ -149,14 +149,11 @@ def test_bad_house_table(tmp_path, text, line):
     assert line in str(caught.value)
 
 
-def test_the_table_of_data_lists(dataset):
-    table = table_of_lists(dataset)
+def test_the_table_of_data_lists_and_of_an_incomplete_data_set(dataset):
+    found = table_of_lists(dataset)
     files = ("archs_no_objects/test/h1.scene.json", "photo_assignments/test/h1.photoroom.csv")
-    assert table.houses == {"h1": TableRow("h1", "test", *files, ("one.png",))}
-    assert table.warnings == ()
-
-
-def test_the_table_of_an_incomplete_data_set(dataset):
+    assert found.houses == {"h1": TableRow("h1", "test", *files, ("one.png",))}
+    assert found.warnings == ()
     (dataset / "data_lists/val.txt").write_text("h2\nh3\n")
     (dataset / "full_archs/val").mkdir(parents=True)
     write_scene_json(small_house(), dataset / "full_archs/val/h3.scene.json")

@@ -73,9 +73,25 @@ def dataset(root, **changes):
     return {"root": str(root), "table": None, "architecture": "bare"} | changes
 
 
-def test_a_whole_copy_has_no_problems(copy):
+def test_a_whole_copy_is_read_without_a_problem(copy, tmp_path):
     assert lines_of(copy) == []
     assert sorted(path.name for path in copy.iterdir()) == ["input", "processed"]
+    plans = {}
+    for kind in ("bare", "full"):
+        row = table_of(dataset(copy, architecture=kind))["home_test_0"]
+        plans[kind] = read_plan(copy / row.plan, "home_test_0")
+    assert plans["bare"].rooms == plans["full"].rooms and plans["bare"].objects == ()
+    assert len(plans["full"].objects) == len(drawn_icons(plans["bare"])) > 0
+    plan = copy / "input/archs_no_objects/test/home_test_0.scene.json"
+    boxes = copy / "input/object_aabbs/test/home_test_0.objectaabb.json"
+    house = import_plan(plan, tmp_path / "o.json", house_id="home_test_0", object_boxes=boxes)
+    assert house.icons == drawn_icons(house)
+    assert read_plan(tmp_path / "o.json", "home_test_0").icons == house.icons
+    before = set(copy.rglob("*"))
+    assert "home_val_0" in table_of(dataset(copy)).houses
+    (copy / "input/data_lists/val.txt").write_text("")
+    assert "home_val_0" not in table_of(dataset(copy)).houses
+    assert set(copy.rglob("*")) == before
 
 
 @pytest.mark.parametrize("place", ["", "input", ".."])
@@ -91,31 +107,6 @@ def test_the_path_may_be_of_the_copy_or_its_input_or_what_holds_data(copy, place
     assert layout.is_rent3dpp
     for row in table_of_lists(root).houses.values():
         assert (layout.root / row.plan).is_file() and (layout.root / row.assignment).is_file()
-
-
-def test_the_table_follows_the_copy_and_writes_nothing(copy):
-    before = set(copy.rglob("*"))
-    assert "home_val_0" in table_of(dataset(copy)).houses
-    (copy / "input/data_lists/val.txt").write_text("")
-    assert "home_val_0" not in table_of(dataset(copy)).houses
-    assert set(copy.rglob("*")) == before
-
-
-def test_bare_and_full_plans(copy):
-    plans = {}
-    for kind in ("bare", "full"):
-        row = table_of(dataset(copy, architecture=kind))["home_test_0"]
-        plans[kind] = read_plan(copy / row.plan, "home_test_0")
-    assert plans["bare"].rooms == plans["full"].rooms and plans["bare"].objects == ()
-    assert len(plans["full"].objects) == len(drawn_icons(plans["bare"])) > 0
-
-
-def test_object_boxes_become_icons(copy, tmp_path):
-    plan = copy / "input/archs_no_objects/test/home_test_0.scene.json"
-    boxes = copy / "input/object_aabbs/test/home_test_0.objectaabb.json"
-    house = import_plan(plan, tmp_path / "o.json", house_id="home_test_0", object_boxes=boxes)
-    assert house.icons == drawn_icons(house)
-    assert read_plan(tmp_path / "o.json", "home_test_0").icons == house.icons
 
 
 @pytest.mark.parametrize(

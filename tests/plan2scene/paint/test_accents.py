@@ -3,18 +3,18 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from painted_house import Painted, paint_of
 
 from plan2scene.colour import median_colour, srgb_to_linear
 from plan2scene.house import SurfaceKey
-from plan2scene.images import image_from_bytes, write_png
-from plan2scene.io import read_json, read_parquet, write_json, write_parquet
+from plan2scene.images import image_from_bytes
+from plan2scene.io import read_parquet, write_parquet
 from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.texture_files import textured
 from plan2scene.paint.accents import find_accents
 from plan2scene.paint.observations import PlaneColours, write_colours
-from plan2scene.paint.surfaces import observations_of, read_paint, write_paint
+from plan2scene.paint.surfaces import observations_of, read_paint
 from plan2scene.plans.scene_writer import house_to_scene
-from plan2scene.textures.painted import paint_textures
 
 WHITE, BLUE, SHADE = (0.8, 0.8, 0.78), (0.2, 0.3, 0.6), (0.5, 0.5, 0.5)
 ORANGE, LAMPLIT = (0.85, 0.35, 0.15), (0.85, 0.72, 0.6)
@@ -117,25 +117,16 @@ def test_an_accent_wall_has_its_own_paint_in_the_house(gap_house, tmp_path, aske
         for plane in photos(BLUE, weight=0.15)
     ]
     planes += [seen(f"p{k}.jpg", "", WHITE, surface="ceiling") for k in (0, 1)]
-    files = tmp_path / "colours.parquet", tmp_path / "materials.parquet", tmp_path / "paint.parquet"
-    write_colours(files[0], planes, dataset="d", house_id="h")
-    write_parquet(files[1], pd.DataFrame({"room_id": [], "surface": [], "material": []}), {})
-    write_paint(*files, dataset="d", house="h", accents=asked)
-    table, metadata = read_parquet(files[2])
+    file = paint_of(tmp_path, planes, accents=asked)
+    table, metadata = read_parquet(file)
     odd = table[table["surface"] == "wall"].assign(surface="wall.a/../../x")  # no name of a file
-    write_parquet(files[2], pd.concat([table, odd]), metadata)
-    tile = np.full((32, 32, 3), 150, np.uint8)
-    (tmp_path / "t").mkdir()
-    for key in house.surface_keys():
-        write_png(tmp_path / "t" / f"{key.filename}.png", tile)
-    entry = {"size_m": 1.0, "observed": True, "substance": "plaster", "source": "crops"}
-    index = {"/".join(key): entry for key in house.surface_keys()}
-    write_json(tmp_path / "t" / "textures.json", {"method": "toy", "surfaces": index})
-    paint_textures(tmp_path / "t", files[2], tmp_path / "out")
+    write_parquet(file, pd.concat([table, odd]), metadata)
+    keys = ["/".join(key) for key in house.surface_keys()]
+    out = Painted(file, tmp_path, dict.fromkeys(keys, np.full((32, 32, 3), 150, np.uint8)))
     assert not list(tmp_path.rglob("x.*"))
     shown, textures = textured(tmp_path / "out", house)
     own, usual = SurfaceKey("a", f"wall.{wall}"), SurfaceKey("a", "wall")
-    paint, white = read_paint(files[2])
+    paint, white = read_paint(file)
     assert (own in paint) is (own in textures) is asked
     assert usual in white
     if not asked:
@@ -145,8 +136,7 @@ def test_an_accent_wall_has_its_own_paint_in_the_house(gap_house, tmp_path, aske
         found = srgb_to_linear(median_colour(image_from_bytes(textures[key].image)))
         assert found == pytest.approx(paint[key], abs=0.02)
     assert paint[own] == pytest.approx(srgb_to_linear(np.array(BLUE)) * 1.3, rel=0.3)
-    entry = read_json(tmp_path / "out" / "textures.json")["surfaces"]["/".join(own)]
-    assert entry["evidence"]["photos"] == ["p0.jpg", "p1.jpg"]
+    assert out.surfaces["/".join(own)]["evidence"]["photos"] == ["p0.jpg", "p1.jpg"]
     faces = {part.name: part.surface for part in assemble(shown).parts if part.surface}
     assert faces[f"a/wall/{wall}"] == own
     assert {key for name, key in faces.items() if "/wall/" in name} >= {own, usual}

@@ -52,14 +52,6 @@ def test_white_rooms_are_white_in_any_light(light):
             assert estimate.paint[key] == pytest.approx(np.full(3, WHITE), rel=0.08)
 
 
-def test_photos_of_one_room_share_its_light():
-    lights = {"1": (LAMP, "a"), "2": (LAMP, "a"), "3": (SKY, "b")}
-    items = observed(room("a", (WHITE,) * 3) | room("b", (WHITE,) * 3), lights)
-    estimate = estimate_paint([replace(item, room=item.surface.room_id) for item in items])
-    for name, (light, _) in lights.items():
-        assert estimate.light[name] == pytest.approx(light, rel=0.1)
-
-
 def test_a_carpet_may_be_redder_than_any_other():
     red = (0.12, 0.004, 0.015)
     paints = room("a", (WHITE,) * 3, floor=red)
@@ -134,11 +126,16 @@ def test_a_ceiling_that_only_teal_walls_light_is_white():
     )
 
 
-def test_light_is_what_the_paint_leaves():
+def test_light_is_what_the_paint_leaves_and_photos_of_one_room_share_it():
     paints = room("a", (WHITE,) * 3)
     estimate = estimate_paint(observed(paints, {"1": (LAMP, "a"), "2": (GREY, "a")}))
     for name, light in (("1", LAMP), ("2", GREY)):
         assert estimate.light[name] == pytest.approx(light, rel=0.15)
+    lights = {"1": (LAMP, "a"), "2": (LAMP, "a"), "3": (SKY, "b")}
+    items = observed(room("a", (WHITE,) * 3) | room("b", (WHITE,) * 3), lights)
+    estimate = estimate_paint([replace(item, room=item.surface.room_id) for item in items])
+    for name, (light, _) in lights.items():
+        assert estimate.light[name] == pytest.approx(light, rel=0.1)
 
 
 def test_exposure_of_all_photos_changes_no_paint():

@@ -28,15 +28,12 @@ def test_shadow_and_glare_do_not_move_the_usual_colour():
     assert usual_colour([dark, shares], [3.0, 1.0]) == pytest.approx(np.full(3, 0.05), abs=0.01)
 
 
-def test_glare_of_a_window_does_not_wash_out_a_floor():
+def test_glare_and_the_red_shadow_of_a_sofa_do_not_tint_a_floor():
     paint, glare = np.array([0.3, 0.1, 0.05]), np.linspace(-0.2, 0.2, 32).clip(0)
     shown = paint + glare[:, None]
     found = matte_colour([shown, shown], [1.0, 2.0])
     assert found / found[1] == pytest.approx(paint / paint[1])
     assert found @ LUMINANCE == pytest.approx(usual_colour([shown], [1.0]) @ LUMINANCE)
-
-
-def test_the_red_shadow_of_a_sofa_does_not_tint_a_carpet():
     carpet = np.linspace(0.1, 0.5, 32)[:, None] * np.array([1.0, 1.0, 1.1])
     carpet[:3] = np.array([0.04, 0.01, 0.01])
     found = matte_colour([carpet], [1.0])

@@ -37,14 +37,11 @@ def test_photos_tell_the_height(height):
     assert ceiling_height(DRAWN, shots(height)) == pytest.approx(height, abs=0.09)
 
 
-def test_rooms_need_not_be_told_and_threads_do_not_count():
+def test_rooms_need_not_be_told_and_photos_without_a_camera_tell_nothing():
     every = shots(2.3, ("room", "store"))
     found = ceiling_height(DRAWN, every)
     assert found == pytest.approx(2.3, abs=0.09)
     assert ceiling_height(DRAWN, every, threads=2) == found
-
-
-def test_photos_without_a_camera_tell_nothing():
     every = {
         name: replace(shot, camera=replace(shot.camera, fallback=True))
         for name, shot in shots(2.3).items()

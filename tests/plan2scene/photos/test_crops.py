@@ -134,7 +134,7 @@ def run(house, inputs, rooms_of_photo, **more):
     return write_crops(made, files_in(inputs), dataset="d", house_id=house.id)
 
 
-def test_stage_rows_and_round_trip(house, inputs):
+def test_stage_rows_and_planes_round_trip(house, inputs):
     run(house, inputs, {"a.png": ["room1", "room2"], "gone.png": ["room1"]})
     frame, metadata = read_parquet(inputs / "crops.parquet")
     assert metadata["house"] == "h1"
@@ -147,6 +147,14 @@ def test_stage_rows_and_round_trip(house, inputs):
     assert first.window[2] - first.window[0] == pytest.approx(first.metres)
     images = [image_from_bytes(png) for png in frame[frame.room_id == "room1"].png]
     assert frame[frame.room_id == "room1"].medoid.to_numpy().argmax() == medoid_index(images)
+    run(house, inputs, {"a.png": ["room1", "room2"]})
+    ((row,),) = read_planes(inputs / "planes.parquet").values()
+    item = plane_of_row(row, SIZE)
+    truth = checkered_floor(looking())[1]
+    assert item.rooms == ("room1", "room2")
+    assert item.plane.normal == truth.normal and item.plane.offset == truth.offset
+    assert item.plane.mask.any() and not (item.plane.mask & ~truth.mask).any()
+    assert not item.in_plan
 
 
 def test_threads_change_nothing(house, inputs):
@@ -215,17 +223,6 @@ def test_rooms_of_other_heights_get_their_own_crops(inputs):
     assert ids["low"]
     assert not ids["low"] & ids["tall"]
     assert frame.groupby("crop_id").png.nunique().eq(1).all()
-
-
-def test_the_planes_that_crops_were_cut_from_are_saved(house, inputs):
-    run(house, inputs, {"a.png": ["room1", "room2"]})
-    ((row,),) = read_planes(inputs / "planes.parquet").values()
-    item = plane_of_row(row, SIZE)
-    truth = checkered_floor(looking())[1]
-    assert item.rooms == ("room1", "room2")
-    assert item.plane.normal == truth.normal and item.plane.offset == truth.offset
-    assert item.plane.mask.any() and not (item.plane.mask & ~truth.mask).any()
-    assert not item.in_plan
 
 
 def test_a_floor_through_a_door_is_left_out_where_another_photo_shows_the_rooms_own(house, inputs):

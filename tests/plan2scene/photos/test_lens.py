@@ -27,7 +27,7 @@ def test_the_lens_of_most_photos_is_found_and_a_second_one():
     assert lenses_of([*tele, 0.3, 0.4, 0.5, 0.6]) == []
 
 
-def test_unsure_photos_get_the_lens_of_the_others_whichever_way_they_are_held():
+def test_unsure_photos_get_the_lens_of_the_others_or_their_median():
     cameras = {
         name: replace(KNOWN, focal_px=f) for name, f in zip("abc", (800, 810, 805), strict=True)
     }
@@ -43,9 +43,6 @@ def test_unsure_photos_get_the_lens_of_the_others_whichever_way_they_are_held():
         assert made[name].focal_source == "shared"
     for name in ("a", "other model", "zoomed"):
         assert made[name] == cameras[name]
-
-
-def test_photos_without_a_common_lens_give_their_median_to_those_that_show_nothing():
     cameras = {
         name: replace(KNOWN, focal_px=f) for name, f in zip("abc", (600, 800, 1100), strict=True)
     }

@@ -80,8 +80,15 @@ def test_probabilities_round_trip(tmp_path):
         read_probability_png(tmp_path / "b.png")
 
 
-def test_amodal_labels_tell_where_furnished_rooms_are():
-    """Furniture, which hides all but a strip of ceiling, leaves no heading without them."""
+def test_what_furniture_hides_is_taken_from_amodal_labels():
+    photo, _ = shot(box_house(), *VIEWS[0])
+    seen, behind = np.zeros((2, 6, 4, 8), np.float32)
+    seen[FLOOR], seen[OTHER] = 0.3, 0.7
+    behind[WALL], behind[WINDOW] = 0.25, 0.75
+    mixed = replace(photo, probabilities=seen, amodal=behind[:, ::2]).structure
+    expected = {FLOOR: 0.3, WALL: 0.7 * 0.25, WINDOW: 0.7 * 0.75}
+    for label, plane in enumerate(mixed):
+        np.testing.assert_allclose(plane, expected.get(label, 0.0), atol=1e-6)
     house = box_house()
     bare, true = shot(house, *VIEWS[0])
     behind = np.eye(6, dtype=np.float32)[bare.labels].transpose(2, 0, 1)
@@ -96,17 +103,6 @@ def test_amodal_labels_tell_where_furnished_rooms_are():
     assert np.abs(poses["with.jpg"].eye - VIEWS[0][1]).max() < 0.2
     assert poses["with.jpg"].located > poses["without.jpg"].located
     assert (true.matrix[2] @ poses["with.jpg"].camera.matrix[2]) > 0.99
-
-
-def test_what_furniture_hides_is_taken_from_amodal_labels():
-    photo, _ = shot(box_house(), *VIEWS[0])
-    seen, behind = np.zeros((2, 6, 4, 8), np.float32)
-    seen[FLOOR], seen[OTHER] = 0.3, 0.7
-    behind[WALL], behind[WINDOW] = 0.25, 0.75
-    mixed = replace(photo, probabilities=seen, amodal=behind[:, ::2]).structure
-    expected = {FLOOR: 0.3, WALL: 0.7 * 0.25, WINDOW: 0.7 * 0.75}
-    for label, plane in enumerate(mixed):
-        np.testing.assert_allclose(plane, expected.get(label, 0.0), atol=1e-6)
 
 
 def test_cameras_json_round_trip(tmp_path):

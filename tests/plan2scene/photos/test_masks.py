@@ -76,16 +76,13 @@ def test_large_photos_and_their_masks_are_reduced_together(tmp_path):
         masks.labels_from_folder(tmp_path / "masks", "room.png", (900, 1600))
 
 
-def test_labeller_refuses_unknown_source_and_missing_folder(tmp_path):
+def test_unknown_sources_missing_folders_and_two_photos_with_one_stem_are_refused(tmp_path):
     with pytest.raises(InputError, match="embedded, imagenet, precomputed, pretrained"):
         labeller("guess", house_id="h")
     with pytest.raises(InputError, match=r"house h.*masks"):
         labeller("precomputed", precomputed_dir=tmp_path / "none", house_id="h")
     with pytest.raises(InputError, match="model"):
         labeller("embedded")
-
-
-def test_make_masks_refuses_two_photos_with_one_stem(tmp_path):
     photos = {name: tmp_path / name for name in ("a.png", "a.jpg")}
     with pytest.raises(InputError, match=r"a\.jpg and a\.png"):
         make_masks(photos, partial(labeller, "embedded"), tmp_path / "out", house_id="h")

@@ -54,7 +54,7 @@ def test_rectified_pixels_lie_where_the_plane_says(normal, offset, heading, pitc
     np.testing.assert_allclose(value[inside, 1], 128 + 20 * y[inside], atol=2.5)
 
 
-def test_flat_and_far_parts_are_cut_away():
+def test_flat_and_far_parts_and_skirting_are_cut_away():
     camera = camera_of(0.0, 10.0)
     image, plane = gradient(camera, (0.0, 1.0, 0.0), -1.5)
     rectified = rectify(image, camera, plane)
@@ -66,9 +66,6 @@ def test_flat_and_far_parts_are_cut_away():
     assert dense.origin[1] + rows.max() * dense.metres_per_pixel < far - 0.5
     assert rectify(image, camera, plane, min_density=1e5) is None
     assert max(rectified.mask.shape) <= PLANES.max_side_px + 1
-
-
-def test_skirting_is_left_out_of_walls():
     camera = camera_of()
     wall = Plane("wall", 0, (0.0, 0.0, -1.0), -4.0, np.ones(SIZE, bool), "", camera_height_m=1.2)
     rectified = rectify(np.zeros((*SIZE, 3), np.uint8), camera, wall)

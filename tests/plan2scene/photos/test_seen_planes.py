@@ -8,7 +8,7 @@ from plan2scene.photos.locate.seen_doors import seen_doors
 from plan2scene.photos.locate.seen_planes import seen_planes, shows_its_room
 
 
-def test_every_pixel_lies_on_its_plane_and_in_its_room():
+def test_every_pixel_lies_on_its_plane_and_in_its_room_whose_walls_are_named():
     house, pose, labels, ends = open_door_view()
     found = seen_planes(labels, pose, room_shapes(house))
     kinds = {(item.rooms[0], item.plane.surface) for item in found}
@@ -19,29 +19,6 @@ def test_every_pixel_lies_on_its_plane_and_in_its_room():
         np.testing.assert_allclose(off, 0.0, atol=1e-6)
         assert ((points[:, 0] > WIDE + 0.05) == (item.rooms[0] == "store")).all()
         assert item.plane.scale_source == "plan"
-
-
-def test_a_shut_door_is_no_surface():
-    house, pose, labels, ends = open_door_view()
-    labels[ends[..., 0] > WIDE + 0.05] = DOOR
-    assert {item.rooms[0] for item in seen_planes(labels, pose, room_shapes(house))} == {"room"}
-
-
-def test_a_pose_that_contradicts_the_mask_has_no_planes():
-    house, pose, labels, _ = open_door_view()
-    assert seen_planes(labels[::-1].copy(), pose, room_shapes(house)) == []
-
-
-def test_a_photo_shows_the_room_that_it_was_taken_in():
-    house, pose, labels, ends = open_door_view()
-    shapes = room_shapes(house)
-    assert shows_its_room(labels, pose, shapes)
-    behind = np.where(ends[..., 0] > WIDE + 0.05, labels, IGNORE).astype(np.uint8)
-    assert seen_planes(behind, pose, shapes)
-    assert not shows_its_room(behind, pose, shapes)
-
-
-def test_planes_of_the_own_room_name_their_walls():
     house, pose, labels, _ = open_door_view()
     found = seen_planes(labels, pose, room_shapes(house))
     ends = {wall.id: np.array([wall.start, wall.end]) for wall in house.walls}
@@ -53,6 +30,23 @@ def test_planes_of_the_own_room_name_their_walls():
         for wall in item.walls:
             off = (ends[wall] - EYE[[0, 2]]) @ normal - item.plane.offset
             np.testing.assert_allclose(off, 0.0, atol=0.2)
+
+
+def test_a_shut_door_and_a_pose_that_contradicts_the_mask_have_no_surface():
+    house, pose, labels, ends = open_door_view()
+    labels[ends[..., 0] > WIDE + 0.05] = DOOR
+    assert {item.rooms[0] for item in seen_planes(labels, pose, room_shapes(house))} == {"room"}
+    house, pose, labels, _ = open_door_view()
+    assert seen_planes(labels[::-1].copy(), pose, room_shapes(house)) == []
+
+
+def test_a_photo_shows_the_room_that_it_was_taken_in():
+    house, pose, labels, ends = open_door_view()
+    shapes = room_shapes(house)
+    assert shows_its_room(labels, pose, shapes)
+    behind = np.where(ends[..., 0] > WIDE + 0.05, labels, IGNORE).astype(np.uint8)
+    assert seen_planes(behind, pose, shapes)
+    assert not shows_its_room(behind, pose, shapes)
 
 
 def test_a_leaf_is_seen_where_a_door_is_likely_and_shut():

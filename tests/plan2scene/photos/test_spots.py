@@ -58,13 +58,22 @@ def test_photos_are_tied_by_quarter_turns(shared, moved, tied):
     assert len(set(turns.values())) > 1
 
 
-def test_a_watermark_ties_no_photos():
+def test_a_watermark_and_things_that_do_not_match_tie_no_photos():
     rng = np.random.default_rng(1)
     looks = np.eye(128, dtype=np.float32)[:40]
     mark = Points(rng.uniform(20, 160, (40, 2)).astype(np.float32), looks)
     camera = photographed(np.zeros(3), 0.0, np.zeros((0, 3)), looks[:0])[1]
     for shared in (same_spot, same_things):
         assert shared(list(matched_rays({"a": mark, "b": mark}, {"a": camera, "b": camera}))) == {}
+    rng = np.random.default_rng(2)
+    looks = np.eye(128, dtype=np.float32)[:60]
+    cameras = {
+        name: photographed(np.zeros(3), 0.0, np.zeros((0, 3)), looks[:0])[1] for name in "ab"
+    }
+    chance = {
+        name: Points(rng.uniform(20, 160, (60, 2)).astype(np.float32), looks) for name in "ab"
+    }
+    assert same_things(list(matched_rays(chance, cameras))) == {}
 
 
 def test_spots_follow_ties_while_a_room_is_common():
@@ -86,18 +95,6 @@ def test_points_of_one_wall_are_found_again_but_not_a_watermark():
     camera = camera_looking((400, 560), heading_deg=0.0, pitch_deg=0.0, focal=400.0)
     points = {name: find_points(image) for name, image in photos.items()}
     assert same_things(list(matched_rays(points, dict.fromkeys(photos, camera)))) == {("a", "b"): 0}
-
-
-def test_things_that_do_not_match_tie_no_photos():
-    rng = np.random.default_rng(2)
-    looks = np.eye(128, dtype=np.float32)[:60]
-    cameras = {
-        name: photographed(np.zeros(3), 0.0, np.zeros((0, 3)), looks[:0])[1] for name in "ab"
-    }
-    chance = {
-        name: Points(rng.uniform(20, 160, (60, 2)).astype(np.float32), looks) for name in "ab"
-    }
-    assert same_things(list(matched_rays(chance, cameras))) == {}
 
 
 def test_a_photo_that_sees_what_another_sees_has_a_heading_that_goes_with_it():

@@ -54,13 +54,10 @@ def test_photos_without_a_mark_have_none(count):
     assert watermarks(photos) == {}
 
 
-def test_few_photos_and_photos_of_one_view_tell_nothing():
+def test_few_photos_copies_and_photos_of_one_view_tell_nothing():
     marked = rooms(6, marked=True)
     assert not shared_mark([reduced(photo) for photo in marked[:4]]).any()
     assert not shared_mark([reduced(marked[0])] * 6).any()
-
-
-def test_copies_of_a_photo_count_once():
     copies = [reduced(photo) for photo in rooms(3, marked=True) for _ in range(8)]
     others = [reduced(photo) for photo in rooms(6, marked=False)[3:]]
     assert not shared_mark([*copies, *others]).any()

@@ -43,7 +43,7 @@ def fault(tmp_path, document):
     return refusal(tmp_path / "plan.json")
 
 
-def test_walls_are_split_where_rooms_meet(tmp_path):
+def test_walls_are_split_where_rooms_meet_and_openings_lie_on_them(tmp_path):
     house = read(tmp_path, plan())
     assert validate_house(house) == []
     assert len(house.walls) == 9
@@ -54,9 +54,6 @@ def test_walls_are_split_where_rooms_meet(tmp_path):
         assert bounds == pytest.approx(room_polygon(room).length)
     assert {wall.depth for wall in house.walls} == {0.1}
     assert {room.height for room in house.rooms} == {2.8}
-
-
-def test_openings_lie_on_their_walls(tmp_path):
     house = read(tmp_path, plan())
     found = {o.id: (o.kind, w.room_ids) for w in house.walls for o in w.openings}
     assert found == {"d": ("door", ("a", "b")), "opening_1": ("window", ("a",))}
@@ -65,15 +62,12 @@ def test_openings_lie_on_their_walls(tmp_path):
     assert sorted((opening.start, opening.end)) == pytest.approx([1.0, 2.0])
 
 
-def test_rooms_with_a_gap_have_a_hole_in_both_walls(tmp_path):
+def test_doors_through_a_gap_and_to_the_outside(tmp_path):
     document = plan()
     document["rooms"][1]["polygon"] = [[1, 3.12], [5, 3.12], [5, 6], [1, 6]]
     house = read(tmp_path, document)
     assert [w.room_ids for w in house.walls for o in w.openings if o.id == "d"] == [("a",), ("b",)]
     assert house.doors == (Door("a", "d", "b"),)
-
-
-def test_door_to_the_outside(tmp_path):
     document = plan()
     document["openings"][0].update({"from": [4, 1], "to": [4, 2]})
     assert read(tmp_path, document).doors == (Door("a", "d", None),)

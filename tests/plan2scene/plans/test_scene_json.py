@@ -96,7 +96,7 @@ def test_round_trip(tmp_path, kind):
     assert warnings == []
 
 
-def test_written_file_has_the_official_form(tmp_path):
+def test_a_written_file_has_the_official_form_and_its_textures_come_back(tmp_path):
     house, _ = read(tmp_path, arch())
     scene = house_to_scene(house)
     assert scene["format"] == "sceneState"
@@ -104,9 +104,6 @@ def test_written_file_has_the_official_form(tmp_path):
     kinds = [element["type"] for element in scene["scene"]["arch"]["elements"]]
     assert kinds == ["Floor", "Ceiling"] * 2 + ["Wall"] * 7
     assert scene["scene"]["arch"]["elements"][1]["offset"] == [0, 2.5, 0]
-
-
-def test_textures_round_trip(tmp_path):
     house, _ = read(tmp_path, arch())
     textures = {
         SurfaceKey("a", "floor"): (b"one", 1.25),

@@ -79,7 +79,7 @@ def test_decoding_is_reproducible_and_depends_on_the_seed(model):
     assert not np.array_equal(noise_seeds([1]), noise_seeds([2]))
 
 
-def test_embeddings_file(models, tmp_path):
+def test_embeddings_of_a_house_with_and_without_crops(models, tmp_path):
     table = crop_table(crops(3))
     write_parquet(tmp_path / "crops.parquet", table, {"house": "h"})
     output = tmp_path / "embeddings.parquet"
@@ -96,9 +96,6 @@ def test_embeddings_file(models, tmp_path):
     again = tmp_path / "again.parquet"
     make_embeddings(tmp_path / "crops.parquet", again, *models, house="h", dataset="d", seed=0)
     assert again.read_bytes() == output.read_bytes()
-
-
-def test_house_without_crops(models, tmp_path):
     write_parquet(tmp_path / "crops.parquet", crop_table(crops(1)).iloc[:0], {"house": "h"})
     output = tmp_path / "embeddings.parquet"
     make_embeddings(tmp_path / "crops.parquet", output, *models, house="h", dataset="d", seed=0)

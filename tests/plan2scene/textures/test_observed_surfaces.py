@@ -49,7 +49,7 @@ def select(files, hidden=()):
     return frame.set_index(["room_id", "surface"]), metadata
 
 
-def test_least_textureness_wins(files):
+def test_the_crop_of_least_textureness_of_visible_photos_wins(files):
     frame, metadata = select(files)
     assert frame.index.tolist() == [("r1", "floor"), ("r1", "wall"), ("r2", "wall")]
     row = frame.loc[("r1", "floor")]
@@ -61,17 +61,11 @@ def test_least_textureness_wins(files):
     assert row["metres"] == 0.75  # the chosen crop has none: the median of the others
     assert np.isnan(frame.loc[("r2", "wall"), "metres"])
     assert metadata["model"] == "m"
-
-
-def test_hidden_photos_do_not_count(files):
     frame, _ = select(files, hidden=["b.jpg"])
     assert frame.index.tolist() == [("r1", "floor")]
     row = frame.loc[("r1", "floor")]
     assert row["crop_id"] == "floor/a_0_crop1" and row["metres"] == 0.5
     assert row["naive_embedding"].tolist() == [0.5] * 8
-
-
-def test_all_photos_hidden_gives_an_empty_table(files):
     frame, _ = select(files, hidden=["a.jpg", "b.jpg"])
     assert len(frame) == 0
     assert {"crop_id", "embedding", "metres"} <= set(frame.columns)

@@ -1,20 +1,15 @@
 import numpy as np
 import pandas as pd
 import pytest
+from painted_house import Painted, paint_of
 
 from plan2scene.colour import RENDER, as_uint8, linear_to_srgb, median_colour, srgb_to_linear
 from plan2scene.house import SurfaceKey
-from plan2scene.images import jpeg_bytes, read_image, write_png
-from plan2scene.io import read_json, write_json, write_parquet
-from plan2scene.paint.observations import PlaneColours, write_colours
-from plan2scene.paint.surfaces import (
-    door_paints,
-    paint_gains,
-    plain_whites,
-    read_paint,
-    write_paint,
-)
-from plan2scene.textures.painted import COLOURED, OUTDOORS, evidence_of, paint_textures, plain
+from plan2scene.images import read_image
+from plan2scene.io import read_json, write_parquet
+from plan2scene.paint.observations import PlaneColours
+from plan2scene.paint.surfaces import door_paints, paint_gains, plain_whites, read_paint
+from plan2scene.textures.painted import COLOURED, OUTDOORS, evidence_of, plain
 
 
 def plane(photo, room_id, surface, colour):
@@ -35,12 +30,7 @@ def paint(tmp_path):
         plane("2.jpg", "b", "ceiling", 0.82 * light),
         plane("2.jpg", "b", "frame", np.array([0.3, 0.14, 0.05]) * light),
     ]
-    write_colours(tmp_path / "colours.parquet", planes, dataset="d", house_id="h")
-    materials = pd.DataFrame({"room_id": [], "surface": [], "material": []})
-    write_parquet(tmp_path / "materials.parquet", materials, {"dataset": "d", "house": "h"})
-    inputs = tmp_path / "colours.parquet", tmp_path / "materials.parquet"
-    write_paint(*inputs, tmp_path / "paint.parquet", dataset="d", house="h")
-    return tmp_path / "paint.parquet"
+    return paint_of(tmp_path, planes)
 
 
 def test_a_strong_colour_stays_in_its_room_unless_most_rooms_have_it():
@@ -65,66 +55,42 @@ def test_walls_of_wood_in_three_rooms_are_one_panelling(tmp_path, rooms):
     for room in rooms:
         planes.append(plane(f"{room}.jpg", room, "wall", woods[room]))
         planes.append(plane(f"{room}.jpg", room, "ceiling", (0.7, 0.7, 0.7)))
-    files = tmp_path / "colours.parquet", tmp_path / "materials.parquet", tmp_path / "paint.parquet"
-    write_colours(files[0], planes, dataset="d", house_id="h")
-    write_parquet(files[1], pd.DataFrame({"room_id": [], "surface": [], "material": []}), {})
-    write_paint(*files, dataset="d", house="h")
-    found = [read_paint(files[2])[0][SurfaceKey(room, "wall")].tolist() for room in [*rooms, "d"]]
+    file = paint_of(tmp_path, planes)
+    found = [read_paint(file)[0][SurfaceKey(room, "wall")].tolist() for room in [*rooms, "d"]]
     assert len({tuple(paint) for paint in found}) == (2 if rooms == "abc" else 3)
 
     boards = {f"{room}/wall": np.full((64, 64, 3), (150, 90, 50), np.uint8) for room in "abcde"}
-    boards["b/wall"] = boards["b/wall"].copy()
     boards["b/wall"][::16] = (75, 45, 25)
     unseen = {"observed": False, "source": "exemplar of a, 1.0 dE2000 to the predicted colour"}
-    entry = {"b/wall": {"size_m": 2.0}, "e/wall": unseen}
-    paint_textures(textures_of(tmp_path / "t", boards, **entry), files[2], tmp_path / "out")
-    walls = {room: read_image(tmp_path / "out" / f"{room}_wall.png") for room in "abcde"}
-    same = [room for room in "acde" if np.array_equal(walls[room], walls["b"])]
+    out = Painted(file, tmp_path, boards, {"b/wall": {"size_m": 2.0}, "e/wall": unseen})
+    panelled = out.tile("b/wall")
+    same = [room for room in "acde" if np.array_equal(out.tile(f"{room}/wall"), panelled)]
     assert same == (["a", "c", "e"] if rooms == "abc" else [])
-    index = read_json(tmp_path / "out" / "textures.json")["surfaces"]
-    maps = read_json(tmp_path / "out" / "maps.json")["surfaces"]
     for room in same:
-        assert index[f"{room}/wall"]["size_m"] == 2.0 and f"{room}/wall" not in maps
-        assert index[f"{room}/wall"]["observed"] is (room != "e")
-
-
-def textures_of(folder, tiles, **entry):
-    """Write a textures folder of tiles (sRGB) by `room/surface`, all with maps."""
-    folder.mkdir()
-    index = {
-        name: {"size_m": 1.0, "observed": True, "substance": "plaster"} | entry.get(name, {})
-        for name in tiles
-    }
-    for name, tile in tiles.items():
-        write_png(folder / f"{name.replace('/', '_')}.png", tile)
-        (folder / f"{name.replace('/', '_')}.jpg").write_bytes(jpeg_bytes(tile, quality=95))
-    write_json(folder / "textures.json", {"method": "toy", "surfaces": index})
-    whole = {"origin_m": [0.0, 0.0], "extent_m": [1.0, 1.0], "px_per_m": 64.0}
-    write_json(folder / "maps.json", {"surfaces": dict.fromkeys(tiles, whole)})
-    return folder
+        entry = out.surfaces[f"{room}/wall"]
+        assert entry["size_m"] == 2.0 and f"{room}/wall" not in out.maps
+        assert entry["observed"] is (room != "e")
 
 
 def test_tiles_and_maps_get_the_paint_and_keep_their_pattern(paint, tmp_path):
     tile = np.random.default_rng(0).integers(110, 140, (64, 64, 3), dtype=np.uint8)
-    folder = textures_of(tmp_path / "textures", {"b/wall": tile})
-    paint_textures(folder, paint, tmp_path / "out")
-    painted = read_image(tmp_path / "out" / "b_wall.png")
+    out, given = Painted(paint, tmp_path, {"b/wall": tile}), tmp_path / "t"
+    painted = out.tile("b/wall")
     linear = srgb_to_linear(median_colour(painted))
     assert linear == pytest.approx(read_paint(paint)[0][SurfaceKey("b", "wall")], abs=0.02)
     assert np.corrcoef(tile[..., 1].ravel(), painted[..., 1].ravel())[0, 1] > 0.95
     assert painted.max() < 255
-    whole = read_image(tmp_path / "out" / "b_wall.jpg")
+    whole = read_image(out.folder / "b_wall.jpg")
     assert median_colour(whole) == pytest.approx(median_colour(painted), abs=0.02)
-    assert read_json(tmp_path / "out" / "maps.json") == read_json(folder / "maps.json")
-    trim = read_json(tmp_path / "out" / "trim.json")
+    assert read_json(out.folder / "maps.json") == read_json(given / "maps.json")
+    trim = read_json(out.folder / "trim.json")
     red, green, blue = trim[""]
     assert red > green > blue
-    assert read_json(tmp_path / "out" / "doors.json") == trim  # no photo shows a door
-    entry = read_json(tmp_path / "out" / "textures.json")["surfaces"]["b/wall"]
-    evidence = entry.pop("evidence")
+    assert read_json(out.folder / "doors.json") == trim  # no photo shows a door
+    evidence = out.surfaces["b/wall"].pop("evidence")
     assert evidence["photos"] == ["2.jpg"] and evidence["expected_error"] == COLOURED
-    assert entry == read_json(folder / "textures.json")["surfaces"]["b/wall"]
-    assert np.array_equal(read_image(folder / "b_wall.png"), tile)
+    assert out.surfaces == read_json(given / "textures.json")["surfaces"]
+    assert np.array_equal(read_image(given / "b_wall.png"), tile)
 
 
 def test_white_paint_is_one_colour_and_takes_no_pattern_of_another_room(paint, tmp_path):
@@ -133,14 +99,12 @@ def test_white_paint_is_one_colour_and_takes_no_pattern_of_another_room(paint, t
     stained = np.uint8(np.clip(130 + grain + across * np.array([12.0, 8.0, -8.0]), 0, 255))
     chequered = np.uint8(np.tile(np.kron([[60, 170], [170, 60]], np.ones((8, 8))), (4, 4)))
     tiles = {"a/wall": stained, "c/wall": np.dstack([chequered] * 3)}
-    folder = textures_of(tmp_path / "t", tiles, **{"c/wall": {"observed": False, "size_m": 0.5}})
-    paint_textures(folder, paint, tmp_path / "out")
-    white = read_image(tmp_path / "out" / "a_wall.png").astype(int)
+    out = Painted(paint, tmp_path, tiles, {"c/wall": {"observed": False, "size_m": 0.5}})
+    white = out.tile("a/wall").astype(int)
     assert np.ptp(white.mean(axis=0), axis=0).max() < 6  # 24 before
     assert np.corrcoef(grain[..., 0].ravel(), white[..., 1].ravel())[0, 1] > 0.8
-    assert np.array_equal(read_image(tmp_path / "out" / "c_wall.png"), white)
-    assert read_json(tmp_path / "out" / "maps.json")["surfaces"] == {}
-    assert read_json(tmp_path / "out" / "textures.json")["surfaces"]["c/wall"]["size_m"] == 1.0
+    assert np.array_equal(out.tile("c/wall"), white)
+    assert out.maps == {} and out.surfaces["c/wall"]["size_m"] == 1.0
 
 
 def test_blinds_and_pictures_on_a_white_wall_are_no_pattern_of_it(paint, tmp_path):
@@ -150,10 +114,9 @@ def test_blinds_and_pictures_on_a_white_wall_are_no_pattern_of_it(paint, tmp_pat
     tiles[::16] = 115.0
     names = {"a/wall": blinds, "d/wall": calm, "a/ceiling": tiles}
     images = {name: np.uint8(image) for name, image in names.items()}
-    folder = textures_of(tmp_path / "t", images, **{"a/wall": {"substance": "tile"}})
-    paint_textures(folder, paint, tmp_path / "out")
-    assert np.array_equal(*[read_image(tmp_path / "out" / f"{room}_wall.png") for room in "ad"])
-    painted = read_image(tmp_path / "out" / "a_ceiling.png").astype(int)
+    out = Painted(paint, tmp_path, images, {"a/wall": {"substance": "tile"}})
+    assert np.array_equal(out.tile("a/wall"), out.tile("d/wall"))
+    painted = out.tile("a/ceiling").astype(int)
     assert painted[::16].mean() < painted.mean() - 10  # fainter joints stay
 
 
@@ -162,10 +125,9 @@ def test_the_folds_of_a_curtain_are_no_pattern_of_a_white_wall(paint, tmp_path, 
     wave = np.sin(2 * np.pi * np.arange(64) / 16)
     x, y = wave[None, :, None], wave[:, None, None]
     striped = 150 * np.exp(0.05 * (x if folds else (x + y) / 2**0.5)) * np.ones((64, 64, 3))
-    folder = textures_of(tmp_path / "t", {"a/wall": striped.astype(np.uint8)})
-    paint_textures(folder, paint, tmp_path / "out")
-    assert bool(read_image(tmp_path / "out" / "a_wall.png").std() < 2) is folds
-    assert (tmp_path / "out" / "a_wall.jpg").is_file() is not folds
+    out = Painted(paint, tmp_path, {"a/wall": striped.astype(np.uint8)})
+    assert bool(out.tile("a/wall").std() < 2) is folds
+    assert (out.folder / "a_wall.jpg").is_file() is not folds
 
 
 def test_what_nothing_in_the_house_tells_of_is_plain(paint, tmp_path):
@@ -180,10 +142,7 @@ def test_what_nothing_in_the_house_tells_of_is_plain(paint, tmp_path):
         "d/floor": guessed | {"source": "exemplar of c, 3.0 dE2000 to the predicted colour"},
         "e/floor": guessed | {"substance": "wood"},
     }
-    paint_textures(textures_of(tmp_path / "t", names, **entries), paint, tmp_path / "out")
-    wall, floor, copied, wood = (
-        read_image(tmp_path / "out" / f"{name.replace('/', '_')}.png") for name in names
-    )
+    wall, floor, copied, wood = map(Painted(paint, tmp_path, names, entries).tile, names)
     assert wall.std() == 0 and wall.min() > 225
     red, green, blue = median_colour(floor)
     assert red > green > blue > red - 0.08
@@ -197,30 +156,32 @@ def test_an_unseen_bathroom_is_like_another_one(paint, tmp_path):
     names = {"a/wall": tiled, "b/wall": boards, "c/wall": boards, "e/wall": boards}
     other = {"observed": False, "source": "exemplar of b, 3.0 dE2000 to the predicted colour"}
     entries = {"a/wall": {"substance": "tile"}, "c/wall": other, "e/wall": other}
-    folder = textures_of(tmp_path / "t", names, **entries)
-    paint_textures(folder, paint, tmp_path / "out", bathrooms=["a", "c"])
-    bath, unseen, room = (read_image(tmp_path / "out" / f"{name}_wall.png") for name in "ace")
+    out = Painted(paint, tmp_path, names, entries, bathrooms=["a", "c"])
+    bath, unseen, room = (out.tile(f"{name}/wall") for name in "ace")
     assert np.array_equal(unseen, bath) and not np.array_equal(room, bath)
-    index = read_json(tmp_path / "out" / "textures.json")["surfaces"]
-    assert index["c/wall"]["substance"] == "tile" and index["c/wall"]["observed"] is False
-    assert index["c/wall"]["evidence"]["like"] == "a"
-    assert index["c/wall"]["evidence"]["words"].startswith("guessed from the a")
-    assert "c/wall" not in read_json(tmp_path / "out" / "maps.json")["surfaces"]
-    assert not (tmp_path / "out" / "c_wall.jpg").exists()
+    entry = out.surfaces["c/wall"]
+    assert entry["substance"] == "tile" and entry["observed"] is False
+    assert entry["evidence"]["like"] == "a"
+    assert entry["evidence"]["words"].startswith("guessed from the a")
+    assert "c/wall" not in out.maps and not (out.folder / "c_wall.jpg").exists()
+
+
+def paint_table(folder, rows):
+    """Write paints as (room, surface, paint, whether white, photos); return the file."""
+    columns = ["room_id", "surface", "paint", "white", "photos"]
+    write_parquet(folder / "paint.parquet", pd.DataFrame(rows, columns=columns), {"house": "h"})
+    return folder / "paint.parquet"
 
 
 def test_rooms_are_as_the_walls_that_photos_show_without_those_of_unseen_bathrooms(tmp_path):
-    wood, white = [0.5, 0.25, 0.1], [0.82, 0.82, 0.82]
-    rows = [(room, "wall", wood, False, "1.jpg") for room in "bd"]
-    rows.append(("a", "wall", white, True, "2.jpg"))
-    table = pd.DataFrame(rows, columns=["room_id", "surface", "paint", "white", "photos"])
-    write_parquet(tmp_path / "paint.parquet", table, {"dataset": "d", "house": "h"})
+    rows = [(room, "wall", [0.5, 0.25, 0.1], False, "1.jpg") for room in "bd"]
+    paint = paint_table(tmp_path, [*rows, ("a", "wall", [0.82, 0.82, 0.82], True, "2.jpg")])
     grey, brown = (np.full((8, 8, 3), colour, np.uint8) for colour in (150, (150, 100, 60)))
     names = {f"{room}/wall": grey if room in "ac" else brown for room in "abcde"}
     unseen = {"observed": False, "source": "exemplar of b, 1.0 dE2000 to the predicted colour"}
-    folder = textures_of(tmp_path / "t", names, **dict.fromkeys(("c/wall", "e/wall"), unseen))
-    paint_textures(folder, tmp_path / "paint.parquet", tmp_path / "out", bathrooms=["a", "c"])
-    bath, room = (median_colour(read_image(tmp_path / "out" / f"{n}_wall.png")) for n in "ce")
+    entries = {"c/wall": unseen, "e/wall": unseen}
+    out = Painted(paint, tmp_path, names, entries, bathrooms=["a", "c"])
+    bath, room = (median_colour(out.tile(f"{name}/wall")) for name in "ce")
     assert np.ptp(bath) < 0.02 and np.ptp(room) > 0.2
 
 
@@ -263,17 +224,15 @@ def test_unseen_doors_are_like_the_others():
 
 
 @pytest.mark.parametrize(("share", "known"), [(0.05, True), (0.004, False)])
-def test_a_little_white_in_a_doorway_is_no_leaf(paint, share, known):
-    colours = paint.with_name("colours.parquet")
+def test_a_little_white_in_a_doorway_is_no_leaf(tmp_path, share, known):
     white, wood = (np.tile(np.float32(c), (32, 1)) for c in ((0.3, 0.28, 0.26), (0.09, 0.05, 0.02)))
     leaves = [
         PlaneColours("1.jpg", ("a",), "door", k, True, (name,), share, shown)
         for k, (name, shown) in enumerate((("one", white), ("two", wood)))
     ]
     walls = [plane("1.jpg", "a", name, (0.28, 0.26, 0.24)) for name in ("wall", "ceiling")]
-    write_colours(colours, [*walls, *leaves], dataset="d", house_id="h")
-    write_paint(colours, paint.with_name("materials.parquet"), paint, dataset="d", house="h")
-    doors = {key.room_id for key in read_paint(paint)[0] if key.surface == "door"}
+    paint, _ = read_paint(paint_of(tmp_path, [*walls, *leaves]))
+    doors = {key.room_id for key in paint if key.surface == "door"}
     assert doors == ({"one", "two"} if known else {"two"})
 
 
@@ -328,15 +287,12 @@ def test_wear_of_a_plain_carpet_goes_and_its_pile_stays(paint, tmp_path, substan
     wave = shade * np.sin(2 * np.pi * 4 * np.arange(128) / 128)[None, :, None]
     pile = np.random.default_rng(0).normal(0.0, 0.1, (128, 128, 1))
     tile = as_uint8(linear_to_srgb(np.exp(wave + pile) * [0.3, 0.28, 0.25]))
-    entry = {"a/floor": {"substance": substance}}
-    folder = textures_of(tmp_path / "textures", {"a/floor": tile}, **entry)
-    paint_textures(folder, paint, tmp_path / "out")
-    log = np.log(srgb_to_linear(read_image(tmp_path / "out" / "a_floor.png"))[..., 1])
+    out = Painted(paint, tmp_path, {"a/floor": tile}, {"a/floor": {"substance": substance}})
+    log = np.log(srgb_to_linear(out.tile("a/floor"))[..., 1])
     left = log.mean(axis=0).std() / wave.std()
     assert left > 0.8 if kept else left < 0.45
     assert log.std(axis=0).mean() == pytest.approx(0.1, rel=0.2)
-    maps = read_json(tmp_path / "out" / "maps.json")["surfaces"]
-    assert ("a/floor" in maps) == (tmp_path / "out" / "a_floor.jpg").exists() == kept
+    assert ("a/floor" in out.maps) == (out.folder / "a_floor.jpg").exists() == kept
 
 
 def test_smears_of_white_paint_go_and_its_relief_stays():
@@ -364,56 +320,47 @@ def test_a_hook_in_a_wall_is_not_repeated_all_over_it():
 @pytest.mark.parametrize("bare", ["a", ""])
 def test_an_unseen_floor_of_a_kitchen_is_no_carpet(bare, tmp_path):
     rows = [(room, "floor", [0.4, 0.3, 0.2], False, "1.jpg") for room in ("a", "bed")]
-    table = pd.DataFrame(rows, columns=["room_id", "surface", "paint", "white", "photos"])
-    write_parquet(tmp_path / "paint.parquet", table, {"dataset": "d", "house": "h"})
     oak, pile = (np.full((8, 8, 3), colour, np.uint8) for colour in ((180, 120, 70), 150))
     names = {f"{room}/floor": oak if room == bare else pile for room in ("a", "bed", "k", "l")}
     like_bed = {"observed": False, "source": "exemplar of bed, 1.0 dE2000", "substance": "carpet"}
-    entries = dict.fromkeys(("k/floor", "l/floor"), like_bed)
-    entries |= {"bed/floor": {"substance": "carpet"}}
+    entries = {"k/floor": like_bed, "l/floor": like_bed, "bed/floor": {"substance": "carpet"}}
     entries |= {"a/floor": {"substance": "wood" if bare else "carpet"}}
-    folder = textures_of(tmp_path / "t", names, **entries)
-    paint_textures(folder, tmp_path / "paint.parquet", tmp_path / "out", uncarpeted=["k"])
-    found = read_json(tmp_path / "out" / "textures.json")["surfaces"]
+    paint = paint_table(tmp_path, rows)
+    found = Painted(paint, tmp_path, names, entries, uncarpeted=["k"]).surfaces
     assert found["k/floor"]["substance"] == ("wood" if bare else "carpet")
     assert found["k/floor"]["evidence"]["like"] == (bare or "bed")
     assert found["l/floor"]["substance"] == "carpet"
 
 
-def test_an_unseen_floor_of_a_garage_is_grey(paint, tmp_path):
+LIKE_A = {"observed": False, "source": "exemplar of a, like a"}
+
+
+@pytest.mark.parametrize("garages", [(), ("garage",)])
+def test_an_unseen_floor_of_a_garage_is_grey(paint, tmp_path, garages):
     oak = np.full((64, 64, 3), (180, 120, 70), np.uint8)
-    names = ("a/floor", "garage/floor", "garage/wall")
-    unseen = {"observed": False, "source": "exemplar of a, like a"}
-    folder = textures_of(
-        tmp_path / "t", dict.fromkeys(names, oak), **dict.fromkeys(names[1:], unseen)
-    )
-    for garages in ((), ("garage",)):
-        paint_textures(folder, paint, tmp_path / f"out{len(garages)}", garages=garages)
-        grey = median_colour(read_image(tmp_path / f"out{len(garages)}" / "garage_floor.png"))
-        assert (np.ptp(grey) < 0.02) == bool(garages)
+    unseen = {"garage/floor": LIKE_A, "garage/wall": LIKE_A}
+    tiles = dict.fromkeys(("a/floor", *unseen), oak)
+    grey = Painted(paint, tmp_path, tiles, unseen, garages=garages).tile("garage/floor")
+    assert (np.ptp(median_colour(grey)) < 0.02) == bool(garages)
 
 
-def test_an_unseen_balcony_has_no_carpet_and_no_wallpaper(paint, tmp_path):
+@pytest.mark.parametrize("open_air", [(), ("a", "balcony")])
+def test_an_unseen_balcony_has_no_carpet_and_no_wallpaper(paint, tmp_path, open_air):
     lilac = np.full((64, 64, 3), (190, 170, 200), np.uint8)
     lilac[::16] = 90
-    names = ("a/floor", "balcony/floor", "balcony/wall", "balcony/ceiling")
-    entry = {key: {"observed": False, "source": "exemplar of a, like a"} for key in names[1:]}
-    folder = textures_of(tmp_path / "t", dict.fromkeys(names, lilac), **entry)
-    for open_air in ((), ("a", "balcony")):
-        out = tmp_path / f"out{len(open_air)}"
-        paint_textures(folder, paint, out, open_air=open_air)
-        floor, wall, seen = (
-            median_colour(read_image(out / f"{name.replace('/', '_')}.png"))
-            for name in ("balcony/floor", "balcony/wall", "a/floor")
-        )
-        joints = read_image(out / "balcony_floor.png").std()
-        stone = read_json(out / "textures.json")["surfaces"]["balcony/floor"]
-        if not open_air:
-            assert joints > 10 and np.ptp(floor) > 0.05 and stone["evidence"]["like"] == "a"
-            continue
-        assert joints < 1 and np.ptp(floor) < 0.02
-        assert srgb_to_linear(floor) == pytest.approx(OUTDOORS["floor"][0], abs=0.02)
-        assert wall * 255 == pytest.approx(RENDER, abs=2)  # as the outer faces beside it
-        assert stone["substance"] == "tile" and stone["evidence"]["like"] is None
-        assert "balcony/floor" not in read_json(out / "maps.json")["surfaces"]
-        assert np.ptp(seen) > 0.05
+    unseen = {f"balcony/{name}": LIKE_A for name in ("floor", "wall", "ceiling")}
+    tiles = dict.fromkeys(("a/floor", *unseen), lilac)
+    out = Painted(paint, tmp_path, tiles, unseen, open_air=open_air)
+    floor, wall, seen = (
+        median_colour(out.tile(name)) for name in ("balcony/floor", "balcony/wall", "a/floor")
+    )
+    joints, stone = out.tile("balcony/floor").std(), out.surfaces["balcony/floor"]
+    if not open_air:
+        assert joints > 10 and np.ptp(floor) > 0.05 and stone["evidence"]["like"] == "a"
+        return
+    assert joints < 1 and np.ptp(floor) < 0.02
+    assert srgb_to_linear(floor) == pytest.approx(OUTDOORS["floor"][0], abs=0.02)
+    assert wall * 255 == pytest.approx(RENDER, abs=2)  # as the outer faces beside it
+    assert stone["substance"] == "tile" and stone["evidence"]["like"] is None
+    assert "balcony/floor" not in out.maps
+    assert np.ptp(seen) > 0.05

@@ -55,12 +55,9 @@ CROPS = [
 ]
 
 
-def test_observed_surface_gets_its_medoid():
+def test_the_medoid_then_rooms_of_the_type_then_the_same_surface_then_anything():
     choice = choose_crop(PLAN, SurfaceKey("bed1", "floor"), CROPS, 0)
     assert choice.crop.crop_id == "b" and choice.source == "b"
-
-
-def test_unobserved_surface_prefers_rooms_of_its_type():
     for seed in range(8):
         choice = choose_crop(PLAN, SurfaceKey("bed2", "floor"), CROPS, seed)
         assert choice.crop.key.room_id == "bed1"
@@ -68,9 +65,6 @@ def test_unobserved_surface_prefers_rooms_of_its_type():
         choose_crop(PLAN, SurfaceKey("bed2", "floor"), CROPS, s).crop.crop_id for s in range(30)
     }
     assert drawn == {"a", "b", "c"}
-
-
-def test_then_the_same_surface_then_anything_then_nothing():
     wall = choose_crop(PLAN, SurfaceKey("bath", "wall"), CROPS, 0)
     assert wall.crop.crop_id == "e" and "another wall" in wall.source
     assert "another surface" in choose_crop(PLAN, SurfaceKey("bath", "ceiling"), CROPS, 0).source
@@ -246,13 +240,10 @@ def test_projection_stretches_the_largest_sharp_crop_once_over_the_surface(files
     assert surface_extent(PLAN, SurfaceKey("hall", "wall")) == (12.0, (0.0, 0.0))
 
 
-def test_crops_of_hidden_photos_are_not_seen(files):
+def test_crops_of_hidden_photos_are_not_seen_and_without_any_the_library_is_used(files):
     folder, surfaces = _make(files, "crop", hidden_photos=["p1.jpg"])
     assert "of hall" in surfaces["bed1/floor"]["source"]
     assert np.array_equal(read_image(folder / "bed1_floor.png"), _image(200))
-
-
-def test_a_house_without_crops_gets_usual_library_tiles(files):
     _, surfaces = _make(files, "crop", hidden_photos=["p1.jpg", "p2.jpg"])
     assert "no crop in the house" in surfaces["bath/floor"]["source"]
     assert surfaces["bath/floor"]["source"].startswith("tile-")

@@ -26,7 +26,7 @@ def test_state_dict_fits_released_checkpoints():
     assert shapes["substance_layer.weight"] == (4, 8)
 
 
-def test_decoded_tile_has_no_seam(small):
+def test_tiles_have_the_embedding_s_colour_no_seam_and_come_in_any_size(small):
     code = torch.randn(2, 11, generator=torch.Generator().manual_seed(1))
     code[:, 8:] = 0.5
     seeds = torch.rand(2, 8, 3, generator=torch.Generator().manual_seed(2))
@@ -36,16 +36,10 @@ def test_decoded_tile_has_no_seam(small):
     for axis in (2, 3):
         inside = tile.diff(dim=axis).abs().mean()
         assert (tile.select(axis, 0) - tile.select(axis, -1)).abs().mean() < 1.25 * inside
-
-
-def test_more_pixels_draw_the_same_tile(small):
     code, seeds = torch.full((1, 11), 0.4), torch.full((1, 8, 3), 0.3)
     with torch.no_grad():
         coarse, fine = small.decode(code, seeds, 64), small.decode(code, seeds, 128)
     np.testing.assert_allclose(fine[:, :, ::2, ::2], coarse, atol=1e-4)
-
-
-def test_colour_of_the_texture_is_the_embedding_s(small):
     rgb = torch.rand(1, 3, 128, 128) * 0.1 + torch.tensor([0.8, 0.4, 0.2]).view(1, 3, 1, 1)
     with torch.no_grad():
         embedding = small.encode(rgb).embedding

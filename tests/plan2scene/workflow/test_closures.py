@@ -12,9 +12,15 @@ def users(module):
     return {rule for rule, modules in CLOSURES.items() if module in modules}
 
 
-def test_textures_hang_on_few_modules():
+def test_a_module_is_part_of_the_rules_that_it_can_change_alone():
     assert len(CLOSURES["textures"]) < 60
     assert not [name for name in CLOSURES["textures"] if name.startswith("plan2scene.mesh")]
+    # Each plan's own reader joins these by its suffix.
+    assert "plan2scene_app.plan_formats.dxf" not in CLOSURES["floorplan"]
+    assert users("plan2scene_app.contact_sheet.sheet") == {"contact_sheet"}
+    assert users("plan2scene.mesh.joinery") == {
+        *("house", "pictures", "lit_house", "export_house", "study_house")
+    }
 
 
 def test_plan_readers_are_of_the_plan_alone():
@@ -24,21 +30,6 @@ def test_plan_readers_are_of_the_plan_alone():
     assert {"plan2scene_app.plan_formats.dxf", "plan2scene_app.plan_formats.ifc"} <= readers
     for reader in (*readers, "plan2scene.plans.formats"):
         assert users(reader) <= {"floorplan", "trace"}, reader
-
-
-def test_a_dxf_reader_is_no_part_of_reading_a_scene():
-    # Each plan's own reader joins these by its suffix.
-    assert "plan2scene_app.plan_formats.dxf" not in CLOSURES["floorplan"]
-
-
-def test_the_drawing_of_a_contact_sheet_is_of_contact_sheets_alone():
-    assert users("plan2scene_app.contact_sheet.sheet") == {"contact_sheet"}
-
-
-def test_a_door_s_mesh_is_of_houses_alone():
-    assert users("plan2scene.mesh.joinery") == {
-        *("house", "pictures", "lit_house", "export_house", "study_house")
-    }
 
 
 @pytest.mark.parametrize("rule", CLOSURES)

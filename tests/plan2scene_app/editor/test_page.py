@@ -49,13 +49,17 @@ def test_the_policy_allows_the_page_itself_and_nothing_else(tmp_path):
     assert block(page, "start")["house"] == NAME
 
 
-def test_a_plan_of_another_format_opens_as_plan_json(tmp_path):
+def test_a_plan_of_another_format_opens_as_plan_json_and_what_is_none_as_a_picture(tmp_path):
     house = read_plan(PLAN, "home")
     write_scene_json(house, tmp_path / "scene.json")
     write_editor(tmp_path / "scene.json", tmp_path / "editor.html", house_id="home")
     start = block((tmp_path / "editor.html").read_text(encoding="utf-8"), "start")
     again = house_of_plan(start["plan"], "home")
     assert again.rooms == house.rooms and again.doors == house.doors
+    Image.new("L", (600, 300), 255).save(tmp_path / "plan.png")
+    found = opened(tmp_path / "plan.png", "home")
+    assert found["picture"]["width"] == 600
+    assert found["notes"] == ["not traced: expected a picture of a floorplan, found an empty page"]
 
 
 @pytest.mark.parametrize("given", [None, 0.02])
@@ -72,13 +76,6 @@ def test_a_picture_lies_underneath(given, tmp_path):
         assert picture["metres_per_pixel"] * picture["width"] == pytest.approx(6000 * given)
     else:
         assert "metres_per_pixel" not in picture
-
-
-def test_what_is_no_plan_is_a_picture_with_a_line(tmp_path):
-    Image.new("L", (600, 300), 255).save(tmp_path / "plan.png")
-    found = opened(tmp_path / "plan.png", "home")
-    assert found["picture"]["width"] == 600
-    assert found["notes"] == ["not traced: expected a picture of a floorplan, found an empty page"]
 
 
 def test_a_traced_plan_lies_on_its_picture(tmp_path, monkeypatch):

@@ -12,16 +12,13 @@ def pack(gap_house, paint, tmp_path):
     return tmp_path
 
 
-def test_collision_is_the_solids(pack, gap_house):
+def test_collision_is_the_solids_and_every_instance_has_a_colour_of_its_own(pack, gap_house):
     scene = trimesh.load(pack / "collision.glb")
     solids = {solid.name: solid for solid in house_solids(gap_house)}
     assert set(scene.geometry) == set(solids)
     for name, mesh in scene.geometry.items():
         volume = sum(piece.volume for piece in solids[name].pieces)
         assert mesh.volume == pytest.approx(volume, rel=1e-3)
-
-
-def test_every_instance_has_a_colour_of_its_own(pack):
     header, *rows = (pack / "semantic.txt").read_text().splitlines()
     assert header == "HM3D Semantic Annotations"
     told = {row.split(",")[1]: row.split(",") for row in rows}

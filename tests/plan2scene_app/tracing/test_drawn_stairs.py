@@ -35,15 +35,12 @@ def test_few_or_other_lines_are_none(count, depth):
     assert find_treads(page_with_treads(count, depth), PPM) == []
 
 
-def test_uneven_lines_are_none():
+def test_uneven_lines_and_tiles_are_no_treads():
     page = page_with_treads(9, 8)
     page[50:120:8, 60:87] = 255
     for y in (50, 56, 68, 73, 85, 92, 103):
         page[y, 60:87] = 0
     assert find_treads(page, PPM) == []
-
-
-def test_tiles_are_no_treads():
     page = page_with_treads(5, 8)
     page[50:83, 60:87:6] = 0
     assert find_treads(page, PPM) == []

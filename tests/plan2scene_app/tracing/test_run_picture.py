@@ -62,13 +62,17 @@ def test_pictures_of_storeys_become_one_page(names, tmp_path, caplog):
     assert made.stat().st_mtime_ns == before
 
 
-def test_storeys_are_pictures(picture, tmp_path):
+def test_storeys_are_pictures_that_are_not_empty(picture, tmp_path):
     other = tmp_path / "first.json"
     other.write_text("{}")
     with pytest.raises(InputError, match="a picture of each storey"):
         read_input(replace(request(picture), storeys=(other,)))
     with pytest.raises(InputError, match="without a scale, found --metres"):
         read_input(replace(request(picture), storeys=(picture,), metres_per_pixel=0.02))
+    path = tmp_path / "empty.png"
+    write_png(path, np.full((200, 300, 3), 255, np.uint8))
+    with pytest.raises(InputError, match="an empty page"):
+        read_input(request(path))
 
 
 def test_a_single_photo_is_no_table_of_photos(picture):
@@ -107,10 +111,3 @@ def test_a_table_is_given_with_a_picture_whose_rooms_have_no_names_yet(picture, 
     table = tmp_path / "photos.csv"
     table.write_text("room_id,photo\nhall,a.png\n")
     assert read_input(request(picture, table)) == ["a.png"]
-
-
-def test_an_empty_page_is_told_before_any_job(tmp_path):
-    path = tmp_path / "empty.png"
-    write_png(path, np.full((200, 300, 3), 255, np.uint8))
-    with pytest.raises(InputError, match="an empty page"):
-        read_input(request(path))

@@ -108,7 +108,7 @@ def room(width, depth, *texts):
     return RoomSize(sides[0] * sides[1], sides, [line(text) for text in texts])
 
 
-def test_areas_and_sides_agree():
+def test_areas_and_sides_agree_and_a_wrong_text_is_outvoted_and_named():
     evidence = [
         *room_evidence(room(4.0, 3.0, "12 m2", "400 x 300")),
         *room_evidence(room(2.0, 3.0, "6.0 m2")),
@@ -117,9 +117,6 @@ def test_areas_and_sides_agree():
     assert found.metres_per_pixel == pytest.approx(TRUE, rel=0.01)
     assert found.confidence > SETTINGS.sure
     assert set(found.agree) == {"12 m2", "400 x 300", "6.0 m2"}
-
-
-def test_a_wrong_text_is_outvoted_and_named():
     evidence = [
         *room_evidence(room(4.0, 3.0, "12 m2")),
         *room_evidence(room(2.0, 3.0, "6.0 m2")),

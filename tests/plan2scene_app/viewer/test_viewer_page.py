@@ -85,7 +85,7 @@ def tables(tmp_path):
     return [tmp_path / n for n in ("propagated.parquet", "crops.parquet", "cameras.json")]
 
 
-def test_crops_of_observed_and_confidence_of_others(tmp_path):
+def test_facts_of_surfaces_and_photos(tmp_path):
     surfaces = read_facts(*tables(tmp_path))["surfaces"]
     floor = surfaces["r/floor"]
     assert floor["photo"] == "a.jpg"
@@ -96,9 +96,6 @@ def test_crops_of_observed_and_confidence_of_others(tmp_path):
     assert np.abs(image.astype(int) - (40, 100, 200)).max() <= 3
     assert surfaces["r/wall"] == {"confidence": 0.6123, "source": "propagated, like s"}
     assert surfaces["r/ceiling"]["confidence"] is None
-
-
-def test_photos_are_numbered_by_name_and_only_located_ones_have_a_camera(tmp_path):
     photos = read_facts(*tables(tmp_path))["photos"]
     assert [(p["name"], p["number"]) for p in photos] == [("0.jpg", 1), ("a.jpg", 2), ("b.jpg", 3)]
     assert [p.get("position") for p in photos] == [None, [1.0, 1.4, 2.0], None]
