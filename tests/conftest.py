@@ -6,15 +6,9 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 
 #: Files that take a minute each, first: begun last, they would leave the other worker without work.
-LONGEST = (
-    "test_all",
-    "test_wheel",
-    "test_house",
-    "test_rent3dpp",
-    "test_houses",
-    "test_targets",
-    "test_workshop",
-)
+LONGEST = ["test_all", "test_wheel", "test_houses", "test_house", "test_rent3dpp", "test_targets"]
+LONGEST += ["test_workshop", "test_trace", "test_segmentation_training", "test_clicks"]
+LONGEST += ["test_propagation_training", "test_pipeline_example", "test_fuzz"]
 
 
 def pytest_configure(config):

@@ -22,6 +22,7 @@ import yaml
 from hypothesis import configuration
 from hypothesis import strategies as st
 from PIL import Image
+from places import PLAN, STOREYS
 from safetensors.torch import save
 from unscaled_drawings import dxf
 
@@ -56,8 +57,6 @@ from plan2scene_app.workflow.config import check_config
 
 # Else it keeps what it knows of the sources in the folder where the tests are started.
 configuration.set_hypothesis_home_dir(Path(tempfile.gettempdir()) / "plan2scene_hypothesis")
-ROOT = Path(__file__).parents[2]
-EXAMPLE = ROOT / "resources" / "examples" / "plan.json"
 SHAPES = {"weight": (2, 3), "bias": (2,)}
 
 
@@ -71,7 +70,7 @@ class Reader:
 
 
 def house():
-    return read_plan(EXAMPLE, "h1")
+    return read_plan(PLAN, "h1")
 
 
 def numbers(value: Any) -> Iterator[float]:
@@ -118,8 +117,7 @@ def own_plans() -> list[bytes]:
         "version": 1,
         "rooms": [{"id": "a", "types": ["Bedroom"], "polygon": [[0, 0], [4, 0], [4, 3], [0, 3]]}],
     }
-    storeys = EXAMPLE.parent / "two_storeys" / "plan.json"
-    return [EXAMPLE.read_bytes(), json.dumps(small).encode(), storeys.read_bytes()]
+    return [PLAN.read_bytes(), json.dumps(small).encode(), STOREYS.read_bytes()]
 
 
 def scenes() -> list[bytes]:

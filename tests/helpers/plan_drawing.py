@@ -6,10 +6,10 @@ faces.
 
 from dataclasses import dataclass
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
+from places import ROOT
 from shapely.geometry import Point
 
 from plan2scene.errors import InputError
@@ -17,9 +17,7 @@ from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import point_along, room_polygon
 from plan2scene.plans.validate import house_faults
 
-FLATS = sorted(
-    (Path(__file__).parents[2] / "resources/demo/archs_no_objects/test").glob("*.scene.json")
-)
+FLATS = sorted((ROOT / "resources/demo/archs_no_objects/test").glob("*.scene.json"))
 #: Where the formats that list a room's openings have those of a kind.
 LISTS = {"door": "doors", "window": "windows", "passage": "openings"}
 

@@ -1,10 +1,10 @@
 """Small houses made by hand."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from places import STOREYS
 
 from plan2scene.house import Door, House, Opening, Room, Wall
 from plan2scene.images import png_bytes
@@ -92,8 +92,7 @@ def ring_house():
 
 @pytest.fixture(scope="session")
 def storey_house():
-    examples = Path(__file__).parents[2] / "resources" / "examples"
-    return read_plan(examples / "two_storeys" / "plan.json", "two")
+    return read_plan(STOREYS, "two")
 
 
 @pytest.fixture

@@ -21,10 +21,9 @@ def dxf(scale=1000, layer="W1"):
 
 
 def svg():
-    rooms = (("Bedroom", 0, 500), ("Kitchen", 500, 800))
     groups = "".join(
         f'<g class="Space {kind}"><polygon points="{a},0 {b},0 {b},400 {a},400"/></g>'
-        for kind, a, b in rooms
+        for kind, a, b in (("Bedroom", 0, 500), ("Kitchen", 500, 800))
     )
     head = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 800 400">'
     return f'{head}<g class="Floor">{groups}</g></svg>'.encode()

@@ -1,14 +1,13 @@
 from graphlib import CycleError, TopologicalSorter
-from pathlib import Path
 
 import pytest
+from places import ROOT
 
 from plan2scene_app.workflow.closures import imports
 
-CLONE = Path(__file__).parents[2]
-LIBRARY = CLONE / "src" / "plan2scene"
-APP = CLONE / "src" / "plan2scene_app"
-WORKSHOP = CLONE / "workshop" / "src" / "plan2scene_workshop"
+LIBRARY = ROOT / "src" / "plan2scene"
+APP = ROOT / "src" / "plan2scene_app"
+WORKSHOP = ROOT / "workshop" / "src" / "plan2scene_workshop"
 #: Packages by layer, from the one above the ground up (docs/architecture.md has the same table).
 #: All modules of the library's own folder that are not named here are the ground.
 LAYERS = (
@@ -85,10 +84,9 @@ def test_arrows_go_down_only():
     layer = {name: i for i, names in enumerate(LAYERS, start=1) for name in names}
     folders = {path.name for path in LIBRARY.iterdir() if (path / "__init__.py").is_file()}
     assert folders == layer.keys()
-    parts = between_packages(graph(LIBRARY))
     wrong = [
         f"{a} imports {b}"
-        for a, targets in parts.items()
+        for a, targets in between_packages(graph(LIBRARY)).items()
         for b in targets
         if b in layer and layer.get(a, 0) <= layer[b]
     ]

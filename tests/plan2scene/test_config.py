@@ -1,15 +1,13 @@
 import math
-from pathlib import Path
 
 import pytest
 import yaml
+from places import ROOT
 from snakemake.utils import update_config
 
 from plan2scene.errors import InputError
 from plan2scene_app.run import shipped_config
 from plan2scene_app.workflow.config import check_config, config_schema
-
-ROOT = Path(__file__).parents[2]
 
 
 def merged(name):

@@ -101,8 +101,7 @@ def p3_profile():
             own[row] = np.array(struct.unpack_from(">3i", profile, offset + 8)) / 65536
             struct.pack_into(">3i", profile, offset + 8, *np.rint(P3[row] * 65536).astype(int))
         if name == b"desc":
-            text = profile[offset : offset + size]
-            profile[offset : offset + size] = text.replace(
+            profile[offset : offset + size] = profile[offset : offset + size].replace(
                 "sRGB".encode("utf-16-be"), "wide".encode("utf-16-be")
             )
     return bytes(profile), own
@@ -328,8 +327,7 @@ def test_damaged_images_give_one_clear_line(tmp_path, name):
         read_image(path, house_id="h1")
     line = str(error.value)
     assert line.startswith(f"file {path}, house h1: expected an image")
-    assert words in line
-    assert "\n" not in line and len(line) < 600
+    assert words in line and "\n" not in line and len(line) < 600
 
 
 def test_folders_and_pipes_are_no_images(tmp_path):

@@ -1,8 +1,7 @@
 import importlib.util
 import shutil
-from pathlib import Path
 
-ROOT = Path(__file__).parents[2]
+from places import ROOT
 
 
 def test_the_example_makes_a_house_and_a_metric(tmp_path):

@@ -17,8 +17,7 @@ def test_round_trip_in_half_and_full_precision(tmp_path):
     for half, tolerance in ((True, 1e-3), (False, 0.0)):
         save_model_file(tmp_path / "m.safetensors", STATE, {"width": 2}, half=half)
         state, architecture = load_model_file(tmp_path / "m.safetensors")
-        assert architecture == {"width": 2}
-        assert state["a.weight"].dtype == torch.float32
+        assert architecture == {"width": 2} and state["a.weight"].dtype == torch.float32
         assert (state["a.weight"] - STATE["a.weight"]).abs().max() <= tolerance
         assert torch.equal(state["b"], STATE["b"])
 

@@ -1,9 +1,9 @@
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
+from places import PLAN, ROOT
 from typer.testing import CliRunner
 from unscaled_drawings import dxf
 
@@ -11,9 +11,6 @@ from plan2scene.errors import InputError, WorkflowError
 from plan2scene.materials import random_material
 from plan2scene.plans.formats import read_plan
 from plan2scene_app import cli
-
-ROOT = Path(__file__).parents[2]
-PLAN = ROOT / "resources" / "examples" / "plan.json"
 
 
 def call(*arguments):
@@ -65,8 +62,7 @@ def test_texture_writes_a_tile(tmp_path):
     crop, out = tmp_path / "crop.png", tmp_path / "tile.png"
     Image.fromarray(random_material("wood", 2, size_px=256).albedo[:150, :150]).save(crop)
     code, _ = call("texture", crop, crop, "--method", "crop", "--out", out)
-    assert code == 0
-    assert Image.open(out).size == (128, 128)
+    assert code == 0 and Image.open(out).size == (128, 128)
 
 
 def test_check_tells_errors_by_its_exit_code_and_of_a_picture_that_it_is_traced(tmp_path):
@@ -76,8 +72,7 @@ def test_check_tells_errors_by_its_exit_code_and_of_a_picture_that_it_is_traced(
     wrong = tmp_path / "wrong.json"
     wrong.write_text(json.dumps(plan))
     code, output = call("check", wrong)
-    assert code == 1
-    assert "Dungeon" in output and "expected" in output
+    assert code == 1 and "Dungeon" in output and "expected" in output
     Image.fromarray(np.full((200, 300, 3), 180, np.uint8)).save(tmp_path / "plan.png")
     code, output = call("check", tmp_path / "plan.png")
     assert code == 0
@@ -117,8 +112,7 @@ def test_checkpoints_are_converted_and_those_of_other_networks_refused(tmp_path)
     torch.save({"model_state_dict": PropagationNetwork().state_dict()}, path)
     means = ROOT / "resources" / "models" / "propagation.safetensors"
     code, output = call("convert-checkpoint", "propagation", path, "--out", out, "--means", means)
-    assert (code, output.strip()) == (0, str(out))
-    assert out.is_file()
+    assert (code, output.strip()) == (0, str(out)) and out.is_file()
     with pytest.raises(InputError, match=r"tensor encoder\..* missing, 13 unknown"):
         call("convert-checkpoint", "texture", path, "--out", tmp_path / "t.safetensors")
 

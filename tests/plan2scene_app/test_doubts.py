@@ -36,8 +36,7 @@ def test_each_photo_is_shown_in_its_room_and_each_doubt_told(tmp_path):
     rooms = tuple(replace(r, name="Attic" if r.id == "store" else "") for r in house.rooms)
     house = replace(house, rooms=rooms)
     files = DoubtFiles(table, masks, cameras, doubts=traced)
-    lines = write_doubts(page, tmp_path, files, house=house)
-    assert lines == [
+    assert write_doubts(page, tmp_path, files, house=house) == [
         "plan: rooms room, store: no door",
         "photo e.txt left out: found text",
         "no room is found for <d>.png",
@@ -99,8 +98,7 @@ def test_the_traced_picture_is_seen_whole(tmp_path):
 
 def test_photos_without_any_place_are_the_first_doubt():
     lost = [PlacedPhoto(name, "", None) for name in ("a.jpg", "b.jpg")]
-    lines = list(doubt_lines(box_house(), lost, ["photo c left out"], ["the scale is a guess"]))
-    assert lines == [
+    assert list(doubt_lines(box_house(), lost, ["photo c left out"], ["the scale is a guess"])) == [
         "no photo finds its place in the plan: the house is made without 2 photos",
         "plan: the scale is a guess",
         "photo c left out",

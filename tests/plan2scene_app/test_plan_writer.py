@@ -1,7 +1,7 @@
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
+from places import ROOT
 from sample_houses import with_openings
 
 from plan2scene.plans.formats import read_plan
@@ -10,7 +10,6 @@ from plan2scene.plans.plan_json import house_of_plan
 from plan2scene.plans.validate import house_faults
 from plan2scene_app.plan_writer import house_to_plan
 
-ROOT = Path(__file__).parents[2]
 DEMO = sorted((ROOT / "resources" / "demo").glob("archs_no_objects/*/*.scene.json"))
 
 
@@ -26,8 +25,7 @@ def openings(house):
 def test_small_houses_come_back(name, request):
     house = request.getfixturevalue(name)
     again = house_of_plan(house_to_plan(house), house.id)
-    assert again.rooms == house.rooms
-    assert openings(again) == openings(house)
+    assert again.rooms == house.rooms and openings(again) == openings(house)
     assert again.doors == house.doors
 
 

@@ -3,11 +3,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from places import PLAN
 
 from plan2scene_app import run as runs
 from plan2scene_app.run import SingleHouse, prepare
-
-EXAMPLE = Path(__file__).parents[2] / "resources" / "examples" / "plan.json"
 
 
 @pytest.fixture
@@ -63,7 +62,7 @@ def test_what_is_wanted_first_lies_there_before_the_rest_is_made(given, monkeypa
             (folder.work / target).write_text("made")
 
     monkeypatch.setattr(runs, "_make", make)
-    plan = replace(request(given), plan=EXAMPLE, photo_table=None)
+    plan = replace(request(given), plan=PLAN, photo_table=None)
     runs.run(plan, given / "out", cores=1, first=("viewer.html",))
     assert seen == [[1, False], [5, viewer.stat().st_mtime_ns]]  # nor is it copied again
 

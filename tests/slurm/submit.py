@@ -16,9 +16,8 @@ def submit(
     slurm: Cluster, folder: Path, *arguments: str, **further: str
 ) -> subprocess.CompletedProcess[str]:
     """Run Snakemake in a folder with the profile; `further` are environment variables."""
-    command = [sys.executable, "-m", "snakemake", "--profile", str(PROFILE), *QUICK, *arguments]
     return subprocess.run(
-        command,
+        [sys.executable, "-m", "snakemake", "--profile", str(PROFILE), *QUICK, *arguments],
         cwd=folder,
         env=slurm.environment | {"OMP_NUM_THREADS": "1"} | further,
         text=True,

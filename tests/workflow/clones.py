@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import yaml
+from places import ROOT
 
-ROOT = Path(__file__).parents[2]
 DEMO = ROOT / "resources" / "demo"
 
 
@@ -21,11 +21,10 @@ class Clone:
 
     def snakemake(self, *arguments: str, cores: int = 2) -> subprocess.CompletedProcess[str]:
         """Run Snakemake in the copy, with the copy's library first on the path."""
-        environment = os.environ | {"PYTHONPATH": str(self.root / "src")}
         return subprocess.run(
             [sys.executable, "-m", "snakemake", "--cores", str(cores), *arguments],
             cwd=self.root,
-            env=environment,
+            env=(os.environ | {"PYTHONPATH": str(self.root / "src")}),
             text=True,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,

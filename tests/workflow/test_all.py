@@ -73,7 +73,7 @@ def test_a_killed_run_ends_as_an_undisturbed_one(made, tmp_path):
     own = f"results/tiny/houses/{other['house']}"
     command = [sys.executable, "-m", "snakemake", "-j2", "--nolock", f"{own}/crops.parquet"]
     options = {"cwd": again.root, "env": os.environ | {"PYTHONPATH": str(again.root / "src")}}
-    assert kill_often(command, 2, 7.0, seed=2, **options) > 0
+    assert kill_often(command, 1, 7.0, seed=2, **options) > 0
     assert strays(again.root / "results") == []
     assert digests(again.root / own) == digests(made.root / own)
 
@@ -81,8 +81,7 @@ def test_a_killed_run_ends_as_an_undisturbed_one(made, tmp_path):
 def test_the_table_has_no_empty_cell(made):
     path = made.root / "results" / "tiny" / "tables" / "paper_table.csv"
     rows = list(csv.DictReader(path.open()))
-    assert {row["method"] for row in rows} == METHODS
-    assert len(rows) == 15
+    assert {row["method"] for row in rows} == METHODS and len(rows) == 15
     figures = [
         name for name in rows[0] if name.split()[0] in {"COLOR", "FREQ", "SUBS", "FID", "TILE"}
     ]
@@ -177,8 +176,7 @@ def test_an_edit_redoes_what_depends_on_its_module(made, module, done, kept):
         rules = {rule for rule, house in made.jobs("all") if house}
     finally:
         file.write_text(text)
-    assert done <= rules
-    assert not kept & rules
+    assert done <= rules and not kept & rules
 
 
 def test_after_a_bad_house_the_table_of_the_others_can_be_made(made, tmp_path):

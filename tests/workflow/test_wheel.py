@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 from kills import house_command, kill_often, strays
+from places import ROOT
 
 from plan2scene.plans.scene_json import read_scene_json
 
-ROOT = Path(__file__).parents[2]
 #: One photo a level keeps the test short.
 TABLE = "room_id,photo\nkitchen,kitchen_0.jpg\nbedroom,bedroom_0.jpg\n"
 

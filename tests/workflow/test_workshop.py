@@ -1,16 +1,15 @@
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 import yaml
+from places import ROOT
 
 from plan2scene.datasets.house_table import read_table
 from plan2scene.metrics.substance_network import load_substance_network
 from plan2scene_app.tracing.segmenter import load_plan_segmenter
 
-ROOT = Path(__file__).parents[2]
 TINY = {
     "synthetic": {
         "root": "data/tiny",

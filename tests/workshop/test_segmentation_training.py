@@ -136,8 +136,7 @@ def test_a_trained_network_is_written_with_those_beside_it_and_the_next_starts_f
     card = tmp_path / "m.md"
     measured = train_segmentation(tmp_path / "data", model, card, settings=settings, seed=0)
     text = card.read_text()
-    assert "o.safetensors" in text
-    assert f"| **mean** | {measured.mean_iou:.3f} |" in text
+    assert "o.safetensors" in text and f"| **mean** | {measured.mean_iou:.3f} |" in text
     assert "1 rendered photos" in text and "Seed 0; settings: " in text and "`batch` 2" in text
     assert load_segmenter(model).labels(_striped(2).image).shape == (48, 64)
     found = load_segmenter(model).network

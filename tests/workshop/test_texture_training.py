@@ -1,11 +1,11 @@
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from plan2scene.errors import InputError
 from plan2scene.textures.model.texture_model import Architecture, load_texture_model
+from plan2scene.weights import MODELS
 from plan2scene_workshop.texture import data as td
 from plan2scene_workshop.texture import run as texture_run
 from plan2scene_workshop.texture.settings import TextureSettings
@@ -73,7 +73,7 @@ def test_run_writes_weights_and_card(materials, tmp_path, monkeypatch):
 
 
 def test_shipped_texture_model_keeps_its_figures():
-    path = Path(__file__).parents[2] / "resources" / "models" / "texture.safetensors"
-    figures = texture_run.measure(load_texture_model(path), td.procedural_textures(8, 77), 0)
+    model = load_texture_model(MODELS / "texture.safetensors")
+    figures = texture_run.measure(model, td.procedural_textures(8, 77), 0)
     assert figures["color"] < 0.3 and figures["freq"] < 0.06
     assert figures["wrap"] < 1.2 and figures["substance"] >= 0.5

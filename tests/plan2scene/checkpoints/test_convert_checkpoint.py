@@ -79,7 +79,6 @@ def test_converted_texture_model_returns_the_reference_s_figures(official, check
         signed = 2.0 * model.decode(encoding.embedding, seeds)[0].numpy() - 1.0
         same = official.decode(official.encode(rgb).embedding, seeds)[0].numpy()
     np.testing.assert_allclose(encoding.embedding[0], EMBEDDING, atol=1e-4)
-    assert encoding.logits is not None
     np.testing.assert_allclose(encoding.logits[0], LOGITS, atol=1e-4)
     for place, value in SIGNED.items():
         assert signed[place] == pytest.approx(value, abs=1e-3)
@@ -105,8 +104,7 @@ def test_other_forms_of_the_same_weights(official, tmp_path, form):
         )
     convert_checkpoint("texture", tmp_path / "c", tmp_path / "o")
     found, architecture = load_model_file(tmp_path / "o")
-    assert architecture["periodic"] is False
-    assert found.keys() == state.keys()
+    assert architecture["periodic"] is False and found.keys() == state.keys()
     assert all(torch.equal(found[name], state[name]) for name in state)
 
 
@@ -180,8 +178,7 @@ def test_code_in_a_checkpoint_is_refused_and_not_run(tmp_path, place, old):
         f"file {path}: expected a checkpoint of tensors and plain values, "
         f"found {os.system.__module__}.system in it, which is not run"
     )
-    assert not witness.exists()
-    assert not (tmp_path / "o").exists()
+    assert not witness.exists() and not (tmp_path / "o").exists()
     torch.load(path, weights_only=False)
     assert witness.exists()  # the file does carry code: another reader runs it
 
@@ -224,8 +221,7 @@ def test_weights_that_do_not_fit_are_one_line(official, means, tmp_path, change,
     with pytest.raises(InputError) as caught:
         convert_checkpoint("propagation", path, tmp_path / "o", means=means)
     assert str(caught.value).startswith(f"file {path}: expected ")
-    assert line in str(caught.value)
-    assert not (tmp_path / "o").exists()
+    assert line in str(caught.value) and not (tmp_path / "o").exists()
 
 
 def test_means_over_training_surfaces():

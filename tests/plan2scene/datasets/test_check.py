@@ -113,12 +113,11 @@ def test_import_stops_at_a_bad_table(tmp_path, caplog):
     import_plan(tmp_path / "plan.json", tmp_path / "o.json", house_id="h1", assignment=empty)
     assert f"file {empty}, house h1: expected at least one photo, found none" in caplog.messages
     assert (tmp_path / "o.json").is_file()
-    one = table(tmp_path, "room_id,photo\na,gone.jpg\n")
     import_plan(
         tmp_path / "plan.json",
         tmp_path / "o.json",
         house_id="h1",
-        assignment=one,
+        assignment=table(tmp_path, "room_id,photo\na,gone.jpg\n"),
         photos_dir=tmp_path,
     )
     assert caplog.messages[-1].endswith(f"photo gone.jpg in {tmp_path}, found no such file")
@@ -145,8 +144,7 @@ def test_bad_house_table(tmp_path, text, line):
     path = table(tmp_path, text, "houses.tsv")
     with pytest.raises(InputError) as caught:
         read_table(path)
-    assert str(caught.value).startswith(f"file {path}")
-    assert line in str(caught.value)
+    assert str(caught.value).startswith(f"file {path}") and line in str(caught.value)
 
 
 def test_the_table_of_data_lists_and_of_an_incomplete_data_set(dataset):
@@ -199,5 +197,4 @@ def test_every_problem_is_a_line(dataset):
     assert lines[4] == (
         f"error: file {dataset / 'none.json'}, house h2: expected a plan, found no such file"
     )
-    assert lines[5].startswith("warning: ")
-    assert all("\n" not in line for line in lines)
+    assert lines[5].startswith("warning: ") and all("\n" not in line for line in lines)

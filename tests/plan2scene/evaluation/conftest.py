@@ -140,11 +140,10 @@ def compare():
         made = {"models": house.models.decoders, "settings": house.settings}
         table_textures(house.files, drops, methods, folder, **made, **options)
         metrics = folder.with_suffix(".parquet")
-        hidden = {drop: visible.hidden_photos for drop, visible in drops.items()}
         measure_textures(
             folder,
             house.files.crops,
-            hidden,
+            {drop: visible.hidden_photos for drop, visible in drops.items()},
             methods,
             metrics,
             networks=house.models,

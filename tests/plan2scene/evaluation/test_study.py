@@ -46,11 +46,10 @@ def test_a_sheet_has_plan_photos_and_a_render_by_each_method(plan, tmp_path):
     methods = {
         name: _paint(tmp_path / name, plan, level) for name, level in (("x", 40), ("y", 220))
     }
-    names = ("b.jpg", "a.jpg", "broken.jpg")
     write_study_sheet(
         tmp_path / "sheet",
         house=plan,
-        photos={name: tmp_path / name for name in names},
+        photos={name: tmp_path / name for name in ("b.jpg", "a.jpg", "broken.jpg")},
         rooms_of_photo={"b.jpg": ["bed"], "a.jpg": ["bed", "hall"], "broken.jpg": ["bath"]},
         textures=methods,
     )
@@ -104,8 +103,7 @@ def _key(form):
 
 def test_the_form_is_blind_and_needs_no_network(form):
     page = form[0].read_text()
-    assert "default-src 'none'" in page
-    assert not re.search(r"https?://", page)
+    assert "default-src 'none'" in page and not re.search(r"https?://", page)
     for word in ("synth", "crop", "exemplar", *HOUSES[:2]):
         assert not re.search(rf"\b{word}\b", page)
     assert "There\nare 4 questions" in page

@@ -51,14 +51,12 @@ def test_materials_and_samplers(l_house, paint, tmp_path):
         assert not material["doubleSided"]
         rough = material["pbrMetallicRoughness"]["roughnessFactor"]
         if material["name"] == "plain":
-            assert rough == 1
-            assert "occlusionTexture" not in material
+            assert rough == 1 and "occlusionTexture" not in material
         else:  # the painted tiles are of substance tile
             assert rough == ROUGHNESS["tile"]
             texture = document["textures"][material["occlusionTexture"]["index"]]
             assert document["images"][texture["source"]]["name"] == "occlusion"
-            assert material["occlusionTexture"]["texCoord"] == 1
-            assert texture["sampler"] == 1
+            assert material["occlusionTexture"]["texCoord"] == 1 and texture["sampler"] == 1
     view = document["bufferViews"][document["images"][0]["bufferView"]]
     embedded = binary[view["byteOffset"] : view["byteOffset"] + view["byteLength"]]
     assert embedded.rstrip(b"\0") in {tile.png for tile in textures.values()}  # views are padded

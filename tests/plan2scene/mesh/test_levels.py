@@ -82,7 +82,6 @@ def test_steps_have_the_colour_of_the_floor_that_they_lead_to(house, tmp_path, s
 
 def test_one_sees_up_through_the_well_and_nowhere_else(parts):
     rays = Rays.of(list(parts.values()))
-    assert rays is not None
     up = np.array([[0.0, 1.0, 0.0]])
     steps = [0.45, 2.81, 1.2]  # on the upper flight's end: nothing but the landing's ceiling
     assert rays.distances(np.array([steps]), up)[0] == pytest.approx(2.8 + 2.5 - 2.81, abs=1e-3)

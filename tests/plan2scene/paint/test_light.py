@@ -17,10 +17,9 @@ WHITE, GREEN, OAK = (0.83, 0.82, 0.8), (0.35, 0.5, 0.4), (0.3, 0.2, 0.1)
 
 
 def photo(name, light, *, room="r", ceiling=WHITE, wall=GREEN, floor=OAK):
-    colours = {"ceiling": ceiling, "wall": wall, "floor": floor}
     return [
         SurfaceColour(name, room, kind, tuple(np.array(value) * np.array(light)))
-        for kind, value in colours.items()
+        for kind, value in {"ceiling": ceiling, "wall": wall, "floor": floor}.items()
         if value is not None
     ]
 

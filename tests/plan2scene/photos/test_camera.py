@@ -64,16 +64,14 @@ def test_rotation_and_focal_of_a_checkered_room(heading, pitch, roll, fov):
     image, focal = checker_room((heading, pitch, roll), fov)
     camera = estimate_camera(image)
     assert not camera.fallback and camera.focal_source == "vanishing_points"
-    assert angle_deg(camera.matrix, truth) < 0.5
-    assert abs(camera.focal_px / focal - 1) < 0.02
+    assert angle_deg(camera.matrix, truth) < 0.5 and abs(camera.focal_px / focal - 1) < 0.02
 
 
 def test_of_a_one_point_view_exif_tells_the_focal_length():
     truth = rotation_of(0.0, 0.0, 0.0)
     image, _ = checker_room((0.0, 0.0, 0.0), 85.0, eye=(0.0, 1.3, -2.0))
     camera = estimate_camera(image)
-    assert not camera.fallback
-    assert angle_deg(camera.matrix, truth) < 1.0
+    assert not camera.fallback and angle_deg(camera.matrix, truth) < 1.0
     assert camera.confidence < CAMERA.high_confidence
     truth = rotation_of(0.0, 0.0, 0.0)
     image, focal = checker_room((0.0, 0.0, 0.0), 70.0, eye=(0.0, 1.3, -2.0))

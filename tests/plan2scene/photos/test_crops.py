@@ -177,8 +177,7 @@ def test_candidates_have_corners_on_the_photo(house, inputs):
     run(house, inputs, {"a.png": ["room1"]})
     crops, _ = read_parquet(inputs / "crops.parquet")
     table, metadata = read_parquet(inputs / "candidates.parquet")
-    assert metadata["house"] == "h1"
-    assert list(table.columns) == list(CANDIDATE_COLUMNS)
+    assert metadata["house"] == "h1" and list(table.columns) == list(CANDIDATE_COLUMNS)
     kept = table[table.crop_id != ""]
     assert kept.crop_id.tolist() == crops.crop_id.tolist() and (kept.reason == "").all()
     camera, image = looking(), cv2.imread(str(inputs / "a.png"))
@@ -250,8 +249,7 @@ def test_masks_survive_as_polygons():
     plane = Plane("wall", 3, (0.0, 0.0, -1.0), -2.0, mask, "plan", 1.4)
     item = PhotoPlane(("a", "b"), plane, own=False, walls=("w1", "w2"))
     read = plane_of_row(plane_row("p.jpg", item), SIZE)
-    assert (read.plane.mask == mask).all()
-    assert replace(read, plane=plane) == item
+    assert (read.plane.mask == mask).all() and replace(read, plane=plane) == item
 
 
 def test_house_without_photos_has_an_empty_table(house, inputs):

@@ -115,8 +115,7 @@ def test_a_photo_that_sees_what_another_sees_has_a_heading_that_goes_with_it():
     turned = {("clear.jpg", "corner.jpg"): (turn_of(15.0) - turn_of(60.0)) % 4}
     alone = locate_shots(house, shots).poses
     tied = locate_shots(house, shots, same_things=turned).poses
-    assert not alone["corner.jpg"].believed
-    assert tied["corner.jpg"].believed
+    assert not alone["corner.jpg"].believed and tied["corner.jpg"].believed
     np.testing.assert_allclose(
         tied["corner.jpg"].camera.matrix, cameras["corner.jpg"].matrix, atol=1e-6
     )
@@ -138,8 +137,7 @@ def test_a_photo_that_tells_nothing_is_located_by_another_of_its_spot():
     quarters = {("blank.jpg", "clear.jpg"): (turn_of(230.0) - turn_of(15.0)) % 4}
     alone = locate_shots(house, {"blank.jpg": blank}).poses["blank.jpg"]
     together = locate_shots(house, shots, same_spot=quarters).poses
-    assert not alone.believed
-    assert together["blank.jpg"].believed
+    assert not alone.believed and together["blank.jpg"].believed
     for name, true in cameras.items():
         np.testing.assert_allclose(together[name].camera.matrix, true.matrix, atol=1e-6)
         np.testing.assert_allclose(together[name].eye, eye, atol=0.1)

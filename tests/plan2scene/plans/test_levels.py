@@ -1,7 +1,7 @@
 import json
-from pathlib import Path
 
 import pytest
+from places import STOREYS
 
 from plan2scene.errors import InputError
 from plan2scene.house import USUAL, Level
@@ -13,13 +13,11 @@ from plan2scene.plans.validate import house_faults, validate_house
 from plan2scene_app.heights.ceilings import with_ceilings
 from plan2scene_app.plan_writer import house_to_plan
 
-EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "two_storeys" / "plan.json"
-
 
 @pytest.fixture
 def plan():
     """The example's document."""
-    return json.loads(EXAMPLE.read_text())
+    return json.loads(STOREYS.read_text())
 
 
 def entry(plan, kind, name):
@@ -27,9 +25,8 @@ def entry(plan, kind, name):
 
 
 def test_the_example_is_a_sound_house():
-    house = read_plan(EXAMPLE, "two")
-    assert list(house_faults(house)) == []
-    assert validate_house(house) == []
+    house = read_plan(STOREYS, "two")
+    assert list(house_faults(house)) == [] and validate_house(house) == []
     assert house.levels == (
         Level("ground", "Ground floor", 0.0, 2.5),
         Level("upper", "Upper floor", 2.8, 2.5),
@@ -39,7 +36,7 @@ def test_the_example_is_a_sound_house():
 
 
 def test_other_ceilings_leave_the_slabs_as_thick_as_they_were():
-    house = with_ceilings(read_plan(EXAMPLE, "two"), 2.0)
+    house = with_ceilings(read_plan(STOREYS, "two"), 2.0)
     assert [(level.elevation, level.height) for level in house.levels] == [(0.0, 2.0), (2.3, 2.0)]
     assert {room.height for room in house.rooms} | {wall.height for wall in house.walls} == {2.0}
     assert max(hole.top for wall in house.walls for hole in wall.openings) == 2.0
@@ -55,8 +52,7 @@ def test_a_plan_without_heights_is_marked_until_some_are_told(plan, tmp_path):
     for item in (*plan["rooms"], *plan["levels"]):
         item.pop("height", None)
     house = house_of_plan(plan, "two")
-    assert house.heights == USUAL
-    assert {room.height for room in house.rooms} == {2.8}
+    assert house.heights == USUAL and {room.height for room in house.rooms} == {2.8}
     # The mark goes through scene.json and the editor's document, which names every height.
     write_scene_json(house, tmp_path / "scene.json")
     again = read_scene_json(tmp_path / "scene.json", "two")
@@ -67,7 +63,7 @@ def test_a_plan_without_heights_is_marked_until_some_are_told(plan, tmp_path):
 
 
 def test_rooms_of_two_levels_share_neither_walls_nor_doors():
-    house = read_plan(EXAMPLE, "two")
+    house = read_plan(STOREYS, "two")
     levels = {room.id: room.level for room in house.rooms}
     assert all(len({levels[r] for r in wall.room_ids}) == 1 for wall in house.walls)
     across = [pair for pair in house.adjacency() if levels[pair[0]] != levels[pair[1]]]

@@ -1,7 +1,7 @@
 import json
-from pathlib import Path
 
 import pytest
+from places import PLAN
 from plan_drawing import refusal
 
 from plan2scene.datasets.import_plan import import_plan
@@ -10,8 +10,6 @@ from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.plans.validate import validate_house
-
-EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "plan.json"
 
 
 def plan(**changes):
@@ -45,8 +43,7 @@ def fault(tmp_path, document):
 
 def test_walls_are_split_where_rooms_meet_and_openings_lie_on_them(tmp_path):
     house = read(tmp_path, plan())
-    assert validate_house(house) == []
-    assert len(house.walls) == 9
+    assert validate_house(house) == [] and len(house.walls) == 9
     shared = [wall for wall in house.walls if len(wall.room_ids) == 2]
     assert [(wall.room_ids, wall.length) for wall in shared] == [(("a", "b"), 3.0)]
     for room in house.rooms:
@@ -125,9 +122,8 @@ def test_faults(tmp_path, place, change, line):
 
 
 def test_example(tmp_path):
-    house = import_plan(EXAMPLE, tmp_path / "scene.json", house_id="example")
-    assert house.warnings == ()
-    assert validate_house(house) == []
+    house = import_plan(PLAN, tmp_path / "scene.json", house_id="example")
+    assert house.warnings == () and validate_house(house) == []
     assert len(house.rooms) == 5
     assert sum(len(wall.openings) for wall in house.walls) == 8
     assert house.adjacency() == (

@@ -1,13 +1,12 @@
 import json
-from pathlib import Path
 
 import pytest
+from places import PLAN
 
 from plan2scene.errors import InputError
 from plan2scene.plans.plan_json import house_of_plan
 from plan2scene.plans.validate import validate_house
 
-EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "plan.json"
 KEYS = ("polygon", "from", "to")
 
 
@@ -21,7 +20,7 @@ def scaled(value, factor):
 
 
 def plan(factor=1.0, **changes):
-    document = json.loads(EXAMPLE.read_text())
+    document = json.loads(PLAN.read_text())
     for entry in (*document["rooms"], *document["openings"]):
         entry.update({key: scaled(entry[key], factor) for key in KEYS if key in entry})
     document["rooms"][0].update(changes)
@@ -84,5 +83,4 @@ def test_names_that_other_systems_do_not_take_are_told(name, word):
     document = json.loads(json.dumps(plan()).replace('"bath"', f'"{name}"'))
     ids = [room["id"] for room in document["rooms"]]
     document["rooms"][-1]["id"] = name
-    assert "living" in ids
-    assert word in warnings_of(document)
+    assert "living" in ids and word in warnings_of(document)

@@ -60,8 +60,7 @@ def test_annotation(tmp_path):
     areas = [room_polygon(room).area for room in house.rooms]
     assert areas == pytest.approx([20.0, 12.0, 4.5], rel=0.05)
     assert len(house.walls) == 10
-    openings = {o.id: (o.kind, o.bottom, o.top) for w in house.walls for o in w.openings}
-    assert openings == {
+    assert {o.id: (o.kind, o.bottom, o.top) for w in house.walls for o in w.openings} == {
         "hole_0": ("door", 0.0, 2.5),
         "hole_1": ("window", 1.0, 2.0),
         "hole_2": ("door", 0.0, 2.5),

@@ -42,12 +42,11 @@ def arch(**changes):
 
 
 def wall(name, room, start, end, holes=()):
-    points = [[start[0], 0, start[1]], [end[0], 0, end[1]]]
     return {
         "id": name,
         "type": "Wall",
         "roomId": room,
-        "points": points,
+        "points": [[start[0], 0, start[1]], [end[0], 0, end[1]]],
         "height": 2.5,
         "holes": list(holes),
     }
@@ -76,8 +75,7 @@ def read(tmp_path, document):
 )
 def test_nestings_read_alike(tmp_path, wrap):
     house, warnings = read(tmp_path, wrap(arch()))
-    assert warnings == []
-    assert house.id == "h1"
+    assert warnings == [] and house.id == "h1"
     assert [room.types for room in house.rooms] == [("Bedroom",), ("Bathroom",)]
     assert [room.height for room in house.rooms] == [2.5, 2.5]
     assert len(house.walls) == 7 and house.walls[0].room_ids == ("a", "b")
@@ -92,8 +90,7 @@ def test_round_trip(tmp_path, kind):
     house, _ = read(tmp_path, document)
     assert house.walls[0].openings[0].kind == kind
     again, warnings = read(tmp_path, house_to_scene(house))
-    assert again == house
-    assert warnings == []
+    assert again == house and warnings == []
 
 
 def test_a_written_file_has_the_official_form_and_its_textures_come_back(tmp_path):
@@ -113,8 +110,7 @@ def test_a_written_file_has_the_official_form_and_its_textures_come_back(tmp_pat
     }
     path = tmp_path / "scene.json"
     write_scene_json(house, path, textures)
-    assert scene_textures(path) == textures
-    assert read_scene_json(path, "h1") == house
+    assert scene_textures(path) == textures and read_scene_json(path, "h1") == house
     text = path.read_text()
     assert "data:img/png;base64,b25l" in text
     wall = next(e for e in json.loads(text)["scene"]["arch"]["elements"] if e["id"] == "w0")
@@ -129,8 +125,7 @@ def test_same_hole_on_both_rooms_walls(tmp_path):
     document["elements"].append({**shared, "id": "w7", "roomId": ["b"]})
     house, warnings = read(tmp_path, document)
     assert [o.id for w in house.walls for o in w.openings] == ["door", "door"]
-    assert house.doors == (Door("a", "door", "b"),)
-    assert warnings == []
+    assert house.doors == (Door("a", "door", "b"),) and warnings == []
 
 
 def test_relations_come_from_geometry_without_rdr(tmp_path):

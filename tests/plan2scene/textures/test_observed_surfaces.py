@@ -59,8 +59,7 @@ def test_the_crop_of_least_textureness_of_visible_photos_wins(files):
     assert row["medoid_id"] == "floor/b_0_crop2"  # grey 110 is nearest to the mean 136.7
     assert row["substance"] == "wood" and row["n_crops"] == 3
     assert row["metres"] == 0.75  # the chosen crop has none: the median of the others
-    assert np.isnan(frame.loc[("r2", "wall"), "metres"])
-    assert metadata["model"] == "m"
+    assert np.isnan(frame.loc[("r2", "wall"), "metres"]) and metadata["model"] == "m"
     frame, _ = select(files, hidden=["b.jpg"])
     assert frame.index.tolist() == [("r1", "floor")]
     row = frame.loc[("r1", "floor")]
@@ -83,8 +82,7 @@ def test_all_crops_that_are_not_burned_out_give_the_colour():
     codes = np.arange(44, dtype=np.float32).reshape(4, 11)
     scores, clipped = np.array([0.3, 0.1, 0.2, 0.05]), np.array([0.0, 0.1, 0.0, 0.9])
     index, embedding = surface_embedding(codes, scores, clipped)
-    assert index == 1
-    assert embedding[:8].tolist() == codes[1, :8].tolist()
+    assert index == 1 and embedding[:8].tolist() == codes[1, :8].tolist()
     assert embedding[8:].tolist() == np.median(codes[:3, 8:], axis=0).tolist()
     _, burned = surface_embedding(codes, scores, np.full(4, 0.9))
     assert burned[8:].tolist() == np.median(codes[:, 8:], axis=0).tolist()

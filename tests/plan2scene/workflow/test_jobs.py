@@ -9,8 +9,7 @@ def test_a_fault_of_the_input_is_one_line_and_exit_code_1(tmp_path, capsys):
     with pytest.raises(SystemExit) as stop, job(log):
         raise InputError("a photo", "no such file", file="a.jpg", house="h", room="r")
     line = "file a.jpg, house h, room r: expected a photo, found no such file"
-    assert stop.value.code == 1
-    assert log.read_text() == f"ERROR {line}\n"
+    assert stop.value.code == 1 and log.read_text() == f"ERROR {line}\n"
     assert capsys.readouterr().err == f"ERROR {line}\n"
 
 

@@ -1,12 +1,11 @@
 import json
-from pathlib import Path
 
 import pytest
+from places import STOREYS
 
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.validate import validate_house
 
-EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "two_storeys" / "plan.json"
 #: Whole plan: `drawing.plan` is that of the floor shown.
 WHOLE = "editor.store.state.plan"
 
@@ -109,9 +108,9 @@ def test_a_problem_leads_to_its_floor_and_a_floor_is_removed(two_floors):
 
 
 def test_a_saved_house_of_two_storeys_opens_again(drawing):
-    plan = json.loads(EXAMPLE.read_text())
+    plan = json.loads(STOREYS.read_text())
     drawing.page.click("#open")
-    drawing.page.set_input_files("#file-input", EXAMPLE)
+    drawing.page.set_input_files("#file-input", STOREYS)
     drawing.page.wait_for_function(f"() => {WHOLE}.rooms.length === 8")
     assert drawing.page.evaluate("editor.problems") == []
     opened = whole(drawing)

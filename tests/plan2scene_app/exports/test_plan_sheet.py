@@ -1,14 +1,12 @@
-from pathlib import Path
+from places import STOREYS
 
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import room_polygon
 from plan2scene_app.exports.plan_sheet import write_plan
 
-PLAN = Path(__file__).parents[3] / "resources" / "examples" / "two_storeys" / "plan.json"
-
 
 def test_a_sheet_a_level_with_areas_and_dimensions(tmp_path):
-    house = read_plan(PLAN, "two")
+    house = read_plan(STOREYS, "two")
     found = []
     for folder in (tmp_path / "a", tmp_path / "b"):
         folder.mkdir()

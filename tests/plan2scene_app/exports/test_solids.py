@@ -24,8 +24,7 @@ def test_pieces_are_closed_convex_and_look_outward(house):
     solids = house_solids(house)
     assert len({solid.name for solid in solids}) == len(solids)
     for piece in (piece for solid in solids for piece in solid.pieces):
-        assert piece.is_watertight and piece.is_convex
-        assert piece.volume > 0
+        assert piece.is_watertight and piece.is_convex and piece.volume > 0
 
 
 def test_slabs_are_the_rooms(house):

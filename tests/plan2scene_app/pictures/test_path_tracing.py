@@ -33,5 +33,4 @@ def test_a_room_is_lit_and_shows_its_floor(gap_house, monkeypatch):
 
 def test_without_mitsuba_a_line_says_so(monkeypatch, caplog):
     monkeypatch.setitem(__import__("sys").modules, "mitsuba", None)
-    assert path_tracing.load_mitsuba() is None
-    assert "[render]'" in caplog.text
+    assert path_tracing.load_mitsuba() is None and "[render]'" in caplog.text

@@ -97,8 +97,7 @@ def test_what_no_reader_foresaw_is_one_line_with_its_cause(tmp_path, caplog):
         raise StopIteration("in a\npoint")
     assert str(found.value).startswith(f"file {plan.path}, house h1: expected {plan_format.name}")
     assert "found StopIteration: in a point (not foreseen" in str(found.value)
-    assert isinstance(found.value.__cause__, StopIteration)
-    assert "Traceback" in caplog.text
+    assert isinstance(found.value.__cause__, StopIteration) and "Traceback" in caplog.text
     named = pytest.raises(InputError, match=r"plan\.txt, house h1: expected a, found b")
     with named, one_line(plan, plan_format):
         raise InputError("a", "b")

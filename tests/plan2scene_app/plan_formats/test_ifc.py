@@ -1,7 +1,7 @@
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
+from places import ROOT
 from plan_drawing import FLATS, assert_found, assert_storeys, drawn_flat, refusal
 from shapely.geometry import LineString
 
@@ -10,7 +10,6 @@ from plan2scene.plans.formats import read_plan
 from plan2scene_app.exports.ifc4 import write_ifc
 
 ifcopenshell = pytest.importorskip("ifcopenshell")
-ROOT = Path(__file__).parents[3]
 GUID = pytest.importorskip("ifcopenshell.guid")
 
 

@@ -35,11 +35,10 @@ def surface(kind, start, end, bottom, top, story=0):
 def room(types, area, plan, story=0, base=-1.2, floors=True):
     points = list(area.exterior.coords)
     walls = [surface("wall", a, b, base, base + plan.height, story) for a, b in pairwise(points)]
-    down = [1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, base, 0, 1]
     floor = {
         "category": {"floor": {}},
         "dimensions": [1, 1, 0],
-        "transform": down,
+        "transform": [1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, base, 0, 1],
         "polygonCorners": [[x, z, 0] for x, z in points[:-1]],
         "story": story,
     }
@@ -119,8 +118,7 @@ def test_stairs_join_the_storeys(tmp_path):
     found = read_plan(written(tmp_path, {"rooms": rooms}), "h1")
     (flight,) = found.stairs
     assert flight.length == pytest.approx(1.2) and flight.width == pytest.approx(0.8)
-    assert found.icons == ()
-    assert None not in flight.room_ids
+    assert found.icons == () and None not in flight.room_ids
     assert [found.level_of(room).id for room in flight.room_ids] == ["storey_0", "storey_1"]
 
 

@@ -88,8 +88,7 @@ def test_walls_alone_close_a_room_between_their_faces(tmp_path):
     house = read_plan(home(tmp_path, *SQUARE), "h1")
     (room,) = house.rooms
     assert room_polygon(room).bounds == pytest.approx((0.1, 0.1, 3.9, 2.9))
-    assert room.height == 2.5
-    assert {w.depth for w in house.walls} == {0.2}
+    assert room.height == 2.5 and {w.depth for w in house.walls} == {0.2}
 
 
 def test_a_loose_end_meets_the_wall_whose_face_it_touches(tmp_path):

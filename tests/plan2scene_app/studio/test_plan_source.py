@@ -33,8 +33,7 @@ def size(plan):
 def test_a_drawing_without_a_unit_is_read_with_scale_and_layers(project):
     pytest.importorskip("ezdxf")
     line, reading = asked(project, dxf())
-    assert "$INSUNITS" in line
-    assert reading["unit"] == "unit"
+    assert "$INSUNITS" in line and reading["unit"] == "unit"
     assert reading["size"] is None  # none of the layers is of walls
     told = {(n["name"], n["count"], n["kind"]) for n in reading["names"]}
     assert told == {("W1", 5, ""), ("F.frame (1)", 1, "")}

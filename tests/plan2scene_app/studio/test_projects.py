@@ -2,20 +2,18 @@ import io
 import json
 import sys
 import time
-from pathlib import Path
 
 import pillow_heif
 import psutil
 import pytest
 from PIL import Image
+from places import PLAN
 
 from plan2scene.datasets.assignments import read_assignment
 from plan2scene.errors import InputError
 from plan2scene.plans.formats import read_plan
 from plan2scene_app.studio import runs
 from plan2scene_app.studio.projects import Conflict, Projects
-
-EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "plan.json"
 
 
 @pytest.fixture
@@ -30,7 +28,7 @@ def photo(tmp_path, colour="red"):
 
 
 def state(project, **changes):
-    plan = json.loads(EXAMPLE.read_text())
+    plan = json.loads(PLAN.read_text())
     return {"plan": plan, "photos": [], "place": None, "revision": project.revision()} | changes
 
 
@@ -161,7 +159,7 @@ def test_a_run_is_seen_and_cancelled_by_any_server(project, monkeypatch):
 
 
 def test_a_bad_plan_is_one_clear_line_of_the_real_job(project):
-    plan = json.loads(EXAMPLE.read_text())
+    plan = json.loads(PLAN.read_text())
     plan["rooms"][0]["types"] = ["Ballroom"]
     project.save(state(project, plan=plan))
     runs.start(project, runs.settings_of({}, 1))

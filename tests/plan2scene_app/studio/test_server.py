@@ -3,17 +3,15 @@ import json
 import socket
 import zipfile
 from importlib.util import find_spec
-from pathlib import Path
 from urllib.parse import quote
 
 import pytest
 from PIL import Image
+from places import PLAN
 
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene_app.studio import app, server
-
-EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "plan.json"
 
 
 @pytest.fixture(scope="module")
@@ -67,8 +65,7 @@ def test_uploads_have_limits(studio, home, monkeypatch):
     assert studio.ask("PUT", f"{home}/photos/a.jpg", b"x" * 1001)[0] == 413
     assert studio.ask("PUT", f"{home}/photos/a.jpg", iter([b"x" * 600] * 3))[0] == 413
     status, found = studio.ask("PUT", f"{home}/photos/a.jpg", b"x" * 500)
-    assert status == 400
-    assert "expected" in found["error"]
+    assert status == 400 and "expected" in found["error"]
     assert studio.ask("PUT", f"{home}/state", b"[1]")[0] == 400
     assert studio.ask("PUT", f"{home}/state", b"{" * 100_000)[0] == 400
     assert studio.ask("PUT", f"{home}/state", b'{"plan": {"name": "\\ud800"}}')[0] == 400
@@ -90,23 +87,20 @@ def test_half_sent_requests_end(studio, monkeypatch, sent):
 def test_the_token_is_in_a_file_of_this_user_alone(tmp_path):
     address = "http://127.0.0.1:1/token/"
     with server.redirect_file(tmp_path / "homes", address) as file:
-        assert address in file.read_text()
-        assert file.stat().st_mode & 0o777 == 0o600
+        assert address in file.read_text() and file.stat().st_mode & 0o777 == 0o600
     assert not file.exists()
 
 
 def test_plans_of_other_formats_and_pictures_are_read(studio, home):
-    status, found = studio.ask("POST", f"{home}/plan", EXAMPLE.read_bytes())
-    assert status == 200
-    assert found["plan"]["rooms"][0]["id"] == "living"
+    status, found = studio.ask("POST", f"{home}/plan", PLAN.read_bytes())
+    assert status == 200 and found["plan"]["rooms"][0]["id"] == "living"
     picture = io.BytesIO()
     Image.new("RGB", (80, 60), "white").save(picture, "PNG")
     status, found = studio.ask("POST", f"{home}/plan", picture.getvalue())
     assert (found["picture"]["width"], found["picture"]["height"]) == (80, 60)
     assert studio.ask("GET", f"{home}/picture")[1][:4] == b"\x89PNG"
     status, found = studio.ask("POST", f"{home}/plan", b"no plan at all")
-    assert status == 400
-    assert found["error"].startswith("expected a plan (")
+    assert status == 400 and found["error"].startswith("expected a plan (")
 
 
 @pytest.mark.parametrize(
@@ -128,7 +122,7 @@ def test_results_are_given_and_zipped(studio, home):
     assert studio.ask("GET", f"{home}/export/map")[0] == 400
     house = studio.root / "home" / "house"
     (house / "textures").mkdir(parents=True)
-    write_scene_json(read_plan(EXAMPLE, "home"), house / "house.scene.json")
+    write_scene_json(read_plan(PLAN, "home"), house / "house.scene.json")
     document = {"method": "none", "surfaces": {}}
     (house / "textures" / "textures.json").write_text(json.dumps(document))
     status, content = studio.ask("GET", f"{home}/export/map")

@@ -3,12 +3,10 @@ import json
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import pytest
+from places import PLAN
 from studio_client import TOKEN, StudioClient
-
-EXAMPLE = Path(__file__).parents[3] / "resources" / "examples" / "plan.json"
 
 #: Stands for the workflow: works until a file `finish` lies in the home.
 JOB = """
@@ -76,7 +74,7 @@ def state_when(ask, *states):
 def test_a_killed_server_and_a_killed_job_lose_nothing(servers, tmp_path):
     first, ask = servers()
     ask("POST", "projects", {"name": "home"})
-    state = ask("GET", "p/home/state")[1] | {"plan": json.loads(EXAMPLE.read_text())}
+    state = ask("GET", "p/home/state")[1] | {"plan": json.loads(PLAN.read_text())}
     saved = ask("PUT", "p/home/state", state)[1]
     assert ask("POST", "p/home/run", {})[0] == 200
     first.kill()

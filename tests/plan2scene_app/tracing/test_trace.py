@@ -94,8 +94,7 @@ def test_a_sketch_of_two_large_rooms_without_windows_is_traced(tmp_path):
     cv2.rectangle(image, (100, 300), (145, 311), (255, 255, 255), -1)
     write_png(tmp_path / "sketch.png", image)
     plan, _ = write_trace(tmp_path / "sketch.png", tmp_path / "plan.json")
-    assert len(plan.rooms) == 2
-    assert any(opening.other for opening in plan.openings)
+    assert len(plan.rooms) == 2 and any(opening.other for opening in plan.openings)
 
 
 def test_without_a_reader_the_scale_is_a_guess_that_is_said(picture, monkeypatch, tmp_path):

@@ -9,13 +9,11 @@ from plan2scene_workshop.rendering.models import ModelShop, load_model, read_mod
 def test_a_piece_has_the_models_size_and_stands_with_its_back_at_zero(tmp_path):
     shop = ModelShop(read_model_index(model_folder(tmp_path), train=True))
     piece = shop.piece(np.random.default_rng(0), "table")
-    assert piece is not None
     points = np.concatenate([solid.vertices for _, solid, _ in piece.parts])
     assert np.ptp(points, axis=0) == pytest.approx(
         [piece.width, piece.height, piece.depth], rel=1e-5
     )
-    assert points[:, 2].min() == pytest.approx(0, abs=1e-6)
-    assert 0.4 < piece.width < 0.9
+    assert points[:, 2].min() == pytest.approx(0, abs=1e-6) and 0.4 < piece.width < 0.9
     assert piece.parts[0][0] == "model" and piece.parts[0][2][0] > 4 * piece.parts[0][2][1]
     assert shop.piece(np.random.default_rng(0), "sofa") is None
     assert shop.piece(np.random.default_rng(0), "table", mounts=("wall",)) is None
