@@ -464,19 +464,6 @@ def _other_numbers(draw: Callable, data: bytes) -> bytes:
     return data
 
 
-def _other_entry(draw: Callable, data: bytes) -> bytes:
-    """Return a ZIP archive whose first entry is damaged, and not the archive."""
-    with zipfile.ZipFile(io.BytesIO(data)) as archive:
-        entries = {name: archive.read(name) for name in archive.namelist()}
-    first = next(iter(entries))
-    entries[first] = draw(st.sampled_from([_other_bytes, _other_numbers]))(draw, entries[first])
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, content in entries.items():
-            archive.writestr(name, content)
-    return buffer.getvalue()
-
-
 def _other_bytes(draw: Callable, data: bytes) -> bytes:
     """Return bytes that are cut, changed, repeated or have odd words put in."""
     for _ in range(draw(st.integers(1, 4))):
@@ -514,7 +501,15 @@ def foreign_bytes(draw: Callable, reader: Reader) -> bytes:
     if way <= 6 and data.lstrip()[:1] == b"{":
         return _other_values(draw, data)
     if way <= 8 and zipfile.is_zipfile(io.BytesIO(data)) and b"Home.xml" in data:
-        return _other_entry(draw, data)
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            entries = {name: archive.read(name) for name in archive.namelist()}
+        first = next(iter(entries))
+        entries[first] = draw(st.sampled_from([_other_bytes, _other_numbers]))(draw, entries[first])
+        buffer = io.BytesIO()
+        with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+            for name, content in entries.items():
+                archive.writestr(name, content)
+        return buffer.getvalue()
     if way <= 4 and b"\x00" not in data:
         return _other_numbers(draw, data)
     return _other_bytes(draw, data)

@@ -66,9 +66,7 @@ def test_library_imports_neither_workshop_nor_snakemake():
 
 
 def test_core_imports_no_app():
-    found = {
-        n for n, path in sources(LIBRARY).items() if "plan2scene_app" in imported_packages(path)
-    }
+    found = {n for n, p in sources(LIBRARY).items() if "plan2scene_app" in imported_packages(p)}
     assert found == set()
 
 

@@ -8,16 +8,6 @@ from plan2scene import colour
 from plan2scene.textures.model import hsv as hsv_space
 
 
-@pytest.fixture
-def rgb():
-    values = np.random.default_rng(0).random((9, 7, 3)).astype(np.float32)
-    values[0, 0] = 0.0
-    values[0, 1] = 1.0
-    values[0, 2] = 0.4
-    values[0, 3] = (1.0, 0.0, 0.0)
-    return values
-
-
 def to_torch(image):
     return torch.from_numpy(image).permute(2, 0, 1)[None]
 
@@ -26,7 +16,13 @@ def to_numpy(image):
     return image[0].permute(1, 2, 0).numpy()
 
 
-def test_hsv_is_the_standard_library_s_and_comes_back(rgb):
+def test_hsv_is_the_standard_library_s_and_comes_back():
+    values = np.random.default_rng(0).random((9, 7, 3)).astype(np.float32)
+    values[0, 0] = 0.0
+    values[0, 1] = 1.0
+    values[0, 2] = 0.4
+    values[0, 3] = (1.0, 0.0, 0.0)
+    rgb = values
     expected = [colorsys.rgb_to_hsv(*pixel) for pixel in rgb.reshape(-1, 3).astype(float)]
     hsv = to_numpy(hsv_space.rgb_to_hsv(to_torch(rgb)))
     np.testing.assert_allclose(hsv.reshape(-1, 3), expected, atol=1e-5)

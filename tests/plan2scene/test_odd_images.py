@@ -63,18 +63,14 @@ def rgb16_png():
     return png(WIDTH, HEIGHT, 2, 16, b"".join(b"\0" + row.tobytes() for row in values))
 
 
+#: Quarters and mirror of the stored pixels of each orientation.
+TURNS = (0, 0), (0, 1), (2, 0), (2, 1), (1, 1), (1, 0), (-1, 1), (-1, 0)
+
+
 def turned(orientation):
     """Return a JPEG whose stored pixels become `drawn` when the orientation is applied."""
-    stored = {
-        1: lambda a: a,
-        2: lambda a: a[:, ::-1],
-        3: lambda a: a[::-1, ::-1],
-        4: lambda a: a[::-1],
-        5: lambda a: a.transpose(1, 0, 2),
-        6: lambda a: np.rot90(a, 1),
-        7: lambda a: np.rot90(a[:, ::-1], -1),
-        8: lambda a: np.rot90(a, -1),
-    }[orientation](drawn())
+    quarter, mirrored = TURNS[orientation - 1]
+    stored = np.rot90(drawn()[:, ::-1] if mirrored else drawn(), quarter)
     exif = Image.Exif()
     exif[0x0112] = orientation
     return saved(Image.fromarray(np.ascontiguousarray(stored)), "JPEG", quality=95, exif=exif)
@@ -401,15 +397,10 @@ def test_bombs_are_refused_with_little_memory(tmp_path):
     files = bombs()
     for name, data in files.items():
         (tmp_path / name).write_bytes(data)
-    environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    options = {"env": os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}}
     paths = [str(tmp_path / name) for name in files]
-    run = subprocess.run(
-        [sys.executable, "-c", READ_ALL, *paths],
-        env=environment,
-        text=True,
-        capture_output=True,
-        check=False,
-    )
+    options |= {"text": True, "capture_output": True, "check": False}
+    run = subprocess.run([sys.executable, "-c", READ_ALL, *paths], **options)
     assert run.returncode == 0, run.stderr
     *lines, last = run.stdout.splitlines()
     assert len(lines) == len(files)

@@ -1,13 +1,16 @@
 import os
 
-import pytest
-
 from plan2scene_app.workflow import closures
 from plan2scene_app.workflow.closures import code_hash, contents_hash, imports
 
 
-@pytest.fixture
-def packages(tmp_path):
+def fresh(*modules, packages):
+    for function in vars(closures).values():
+        getattr(function, "cache_clear", int)()
+    return code_hash(*modules, packages=packages)
+
+
+def test_a_change_far_down_or_of_a_named_data_file_alone_changes_the_hash(tmp_path):
     library, shop = tmp_path / "library", tmp_path / "shop"
     (library / "sub").mkdir(parents=True)
     shop.mkdir()
@@ -19,18 +22,7 @@ def packages(tmp_path):
     (library / "sub" / "__init__.py").write_text("from library.sub.inner import Z\n")
     (library / "sub" / "inner.py").write_text("Z = 1\n")
     (shop / "maker.py").write_text("from library.sub import Z\n")
-    return library, shop
-
-
-def fresh(*modules, packages):
-    for function in vars(closures).values():
-        getattr(function, "cache_clear", int)()
-    return code_hash(*modules, packages=packages)
-
-
-def test_a_change_far_down_or_of_a_named_data_file_changes_the_hash_and_one_elsewhere_does_not(
-    packages,
-):
+    packages = library, shop
     before = fresh("library.top", packages=packages)
     (packages[0] / "other.py").write_text("Y = 2\n")
     assert fresh("library.top", packages=packages) == before

@@ -53,12 +53,8 @@ def test_control_c_in_the_first_seconds_is_one_line():
     # A shell's job in the background starts with the signal ignored.
     code = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
     code += "print(flush=True); from plan2scene_app.start import main; main()"
-    command = subprocess.Popen(
-        [sys.executable, "-c", code, "--help"],
-        text=True,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-    )
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    command = subprocess.Popen([sys.executable, "-c", code, "--help"], text=True, **pipes)
     command.stdout.readline()
     time.sleep(0.05)
     command.send_signal(signal.SIGINT)

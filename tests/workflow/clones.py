@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import yaml
-from places import ROOT
 
+ROOT = Path(__file__).parents[2]
 DEMO = ROOT / "resources" / "demo"
 
 

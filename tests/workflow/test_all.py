@@ -34,12 +34,8 @@ def folder(made):
     return made.root / "results/tiny/houses" / made.houses()[0]
 
 
-@pytest.fixture
-def plan(folder):
-    return read_plan(folder / "scene.json", folder.name)
-
-
-def test_the_house_has_its_files(made, folder, plan):
+def test_the_house_has_its_files(made, folder):
+    plan = read_plan(folder / "scene.json", folder.name)
     assert (folder / "viewer.html").stat().st_size > (folder / "house.glb").stat().st_size
     widths = {"preview.png": 400, "rooms.jpg": 400, "contact_sheet.png": 1000}
     for name, width in (widths | {"texture_sheet.png": 1000}).items():
@@ -82,9 +78,7 @@ def test_the_table_has_no_empty_cell(made):
     path = made.root / "results" / "tiny" / "tables" / "paper_table.csv"
     rows = list(csv.DictReader(path.open()))
     assert {row["method"] for row in rows} == METHODS and len(rows) == 15
-    figures = [
-        name for name in rows[0] if name.split()[0] in {"COLOR", "FREQ", "SUBS", "FID", "TILE"}
-    ]
+    figures = [n for n in rows[0] if n.split()[0] in {"COLOR", "FREQ", "SUBS", "FID", "TILE"}]
     assert len(figures) >= 10  # ours and the published ones
     assert all(row[name] not in ("", "nan") for row in rows for name in figures)
     observed_crop = next(r for r in rows if (r["method"], r["column"]) == ("crop", "observed"))

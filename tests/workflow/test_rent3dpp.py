@@ -52,21 +52,17 @@ def place(tmp_path_factory):
     return clone
 
 
-def released(root):
-    paths = {name: root / f"{name}.ckpt" for name in ("texture", "naivesynth", "propagation")}
-    return "official={" + ", ".join(f"{name}: {path}" for name, path in paths.items()) + "}"
-
-
 def test_one_command_makes_the_table(place):
     root = place.root.parent
     train, test = demo_rows()[:2]
+    paths = {name: root / f"{name}.ckpt" for name in ("texture", "naivesynth", "propagation")}
     run = place.snakemake(
         TABLE,
         *CONFIG,
         f"dataset={{root: {root / 'copy'}}}",
         "methods=[synth]",
         "weights=official",
-        released(root),
+        ("official={" + ", ".join((f"{name}: {path}" for name, path in paths.items())) + "}"),
     )
     assert run.returncode == 0, run.stdout[-3000:]
     rows = list(csv.DictReader((place.root / TABLE).read_text().splitlines()))

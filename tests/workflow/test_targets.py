@@ -29,9 +29,7 @@ def test_the_jobs_of_a_house(bare):
 
 def test_one_method_of_one_house_can_be_asked_for(bare):
     house = bare.houses()[0]
-    copies = (
-        f"results/tiny/drop_{drop}/{house}/textures" for drop in ("0.6/crop", "0.0/projection")
-    )
+    copies = (f"results/tiny/drop_{d}/{house}/textures" for d in ("0.6/crop", "0.0/projection"))
     rules = Counter(rule for rule, _ in bare.jobs(*copies))
     assert rules["textures"] == 2 and rules["texture_library"] == 1
     assert "table_textures" not in rules

@@ -4,7 +4,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
 from kills import house_command, kill_often, strays
 from places import ROOT
 
@@ -14,8 +13,7 @@ from plan2scene.plans.scene_json import read_scene_json
 TABLE = "room_id,photo\nkitchen,kitchen_0.jpg\nbedroom,bedroom_0.jpg\n"
 
 
-@pytest.fixture(scope="module")
-def installed(tmp_path_factory):
+def test_the_wheel_makes_a_house_though_it_is_killed(tmp_path, tmp_path_factory):
     root = tmp_path_factory.mktemp("wheel")
     pip = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check"]
     build = ["wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", str(root), str(ROOT)]
@@ -23,10 +21,7 @@ def installed(tmp_path_factory):
     (wheel,) = root.glob("plan2scene-*.whl")
     site = root / "site"
     subprocess.run([*pip, "install", "--no-deps", "--target", str(site), str(wheel)], check=True)
-    return site
-
-
-def test_the_wheel_makes_a_house_though_it_is_killed(installed, tmp_path):
+    installed = site
     example = installed / "plan2scene" / "_workflow" / "resources" / "examples" / "two_storeys"
     assert (example / "photos.csv").read_text().count("\n") == 7
     (tmp_path / "photos.csv").write_text(TABLE)

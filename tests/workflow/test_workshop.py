@@ -20,19 +20,11 @@ TINY = {
         "samples_per_pixel": 1,
         "tile_px": 32,
     },
-    "training": {
-        "materials": {"procedural": 8, "held_out": 4},
-        "features": {"steps": 2, "batch": 4, "held_out_crops": 8},
-        "plans": {
-            "drawings": 2,
-            "batch": 1,
-            "side": 64,
-            "steps": 2,
-            "evaluate_every": 2,
-            "held_out": 1,
-            "figures": 1,
-        },
-    },
+    "training": dict(
+        materials={"procedural": 8, "held_out": 4},
+        features={"steps": 2, "batch": 4, "held_out_crops": 8},
+        plans=dict(drawings=2, batch=1, side=64, steps=2, evaluate_every=2, held_out=1, figures=1),
+    ),
 }
 MODELS = "results/training/models"
 

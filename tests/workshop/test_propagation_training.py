@@ -8,15 +8,8 @@ from plan2scene.house import SURFACES
 from plan2scene.propagation.graph import HouseGraph
 from plan2scene.propagation.graph_networks import PointerNetwork, load_propagation
 from plan2scene.propagation.type_means import TypeMeans
-from plan2scene_workshop.propagation import training
+from plan2scene_workshop.propagation import measure, training
 from plan2scene_workshop.propagation.light import CORRECTED
-from plan2scene_workshop.propagation.measure import (
-    YARDSTICK,
-    confidence_table,
-    error_table,
-    hidden_errors,
-    predictors,
-)
 from plan2scene_workshop.propagation.run import train_propagation
 from plan2scene_workshop.propagation.settings import PropagationSettings
 from plan2scene_workshop.propagation.training import train_network
@@ -50,16 +43,18 @@ def test_training_learns_what_neighbours_tell(monkeypatch):
     homes = [(graph, graph.embeddings) for graph in graphs[100:] * 3]
     values = np.concatenate([graph.embeddings for graph in graphs])
     means = TypeMeans(np.tile(values.mean(axis=0), (12, 1, 1)), np.zeros((12, 3, 8)))
-    errors = hidden_errors(predictors({"own": trained.network}, means), homes, 0)
+    errors = measure.hidden_errors(measure.predictors({"own": trained.network}, means), homes, 0)
     l1 = {name: e.absolute.mean() for name, e in errors.items()}
     # Where something is visible these two are exact in such houses.
     assert l1["house_mean"] == pytest.approx(l1["nearest_room"])
-    assert l1["house_mean"] < 0.5 * l1[YARDSTICK] and l1["own"] < 0.6 * l1[YARDSTICK]
-    assert "| own |" in error_table(errors)
+    assert (
+        l1["house_mean"] < 0.5 * l1[measure.YARDSTICK] and l1["own"] < 0.6 * l1[measure.YARDSTICK]
+    )
+    assert "| own |" in measure.error_table(errors)
     sure = errors["own"].confidence > 0.8  # of what it copies, and right about it
     assert sure.any()
-    assert errors["own"].absolute[sure].mean() < 0.2 * l1[YARDSTICK]
-    assert "0.8-1.0" in confidence_table(errors["own"])
+    assert errors["own"].absolute[sure].mean() < 0.2 * l1[measure.YARDSTICK]
+    assert "0.8-1.0" in measure.confidence_table(errors["own"])
 
 
 def test_a_run_writes_weights_and_card_and_goes_on_from_its_checkpoint(tmp_path, caplog):

@@ -21,17 +21,12 @@ from plan2scene.photos.labels.palette import (
 )
 from plan2scene.photos.labels.segmentation import load_segmenter
 from plan2scene.weights import save_model_file
+from plan2scene_workshop.segmentation import run as runs
 from plan2scene_workshop.segmentation.data import (
     LabelledPhoto,
     confusion,
     read_labelled_photos,
     scores,
-)
-from plan2scene_workshop.segmentation.run import (
-    averaged_runs,
-    ensemble_of,
-    start_from,
-    train_segmentation,
 )
 from plan2scene_workshop.segmentation.settings import SegmentationSettings
 from plan2scene_workshop.segmentation.training import train_network
@@ -120,12 +115,10 @@ def _write_data_set(root):
 )
 def test_settings_out_of_range_are_refused_before_work(wrong, found):
     with pytest.raises(InputError, match=found):
-        averaged_runs([], [], SegmentationSettings(**wrong), seed=0)
+        runs.averaged_runs([], [], SegmentationSettings(**wrong), seed=0)
 
 
-def test_a_trained_network_is_written_with_those_beside_it_and_the_next_starts_from_their_mean(
-    tmp_path,
-):
+def test_a_trained_network_is_written_with_those_beside_it_and_goes_on_from_their_mean(tmp_path):
     _write_data_set(tmp_path / "data")
     other = SegmentationNet(attention=2, elevation=True, labels=len(LABELS_AND_OPENINGS))
     other_file, model = tmp_path / "o.safetensors", tmp_path / "m.safetensors"
@@ -134,7 +127,7 @@ def test_a_trained_network_is_written_with_those_beside_it_and_the_next_starts_f
         steps=1, batch=2, small=32, long_side=32, temperature=1.0, beside=str(other_file)
     )
     card = tmp_path / "m.md"
-    measured = train_segmentation(tmp_path / "data", model, card, settings=settings, seed=0)
+    measured = runs.train_segmentation(tmp_path / "data", model, card, settings=settings, seed=0)
     text = card.read_text()
     assert "o.safetensors" in text and f"| **mean** | {measured.mean_iou:.3f} |" in text
     assert "1 rendered photos" in text and "Seed 0; settings: " in text and "`batch` 2" in text
@@ -143,12 +136,12 @@ def test_a_trained_network_is_written_with_those_beside_it_and_the_next_starts_f
     assert isinstance(found, Ensemble)
     heads = [member.state_dict()["head.weight"] for member in found.members]
     torch.testing.assert_close(heads[1], other.head.weight.half().float())
-    start_from(other, model)
+    runs.start_from(other, model)
     torch.testing.assert_close(other.head.weight.data, sum(heads) / 2)
     tiny = _tiny()
     save_model_file(other_file, tiny.state_dict(), tiny.architecture)
     with pytest.raises(InputError, match="shapes"):
-        train_segmentation(tmp_path / "data", model, card, settings=settings, seed=0)
+        runs.train_segmentation(tmp_path / "data", model, card, settings=settings, seed=0)
 
 
 def test_a_network_of_imagenet_adds_to_one_of_the_ensemble_that_training_starts_from(
@@ -156,7 +149,7 @@ def test_a_network_of_imagenet_adds_to_one_of_the_ensemble_that_training_starts_
 ):
     _write_data_set(tmp_path / "data")
     networks = [SegmentationNet(elevation=True, labels=len(LABELS_AND_OPENINGS)) for _ in range(2)]
-    ensemble = ensemble_of(networks)
+    ensemble = runs.ensemble_of(networks)
     start, model = tmp_path / "s.safetensors", tmp_path / "m.safetensors"
     save_model_file(start, ensemble.state_dict(), ensemble.architecture)
     settings = SegmentationSettings(
@@ -164,9 +157,9 @@ def test_a_network_of_imagenet_adds_to_one_of_the_ensemble_that_training_starts_
     )
     data, card = tmp_path / "data", tmp_path / "m.md"
     with pytest.raises(InputError, match="an ensemble, found null"):
-        train_segmentation(data, model, card, settings=settings, seed=0)
+        runs.train_segmentation(data, model, card, settings=settings, seed=0)
     settings = dataclasses.replace(settings, start=str(start), fresh_learning_rate=1.0)
-    train_segmentation(data, model, card, settings=settings, seed=0)
+    runs.train_segmentation(data, model, card, settings=settings, seed=0)
     found = load_segmenter(model).network
     assert isinstance(found, ImagenetSegmentationNet)
     own = networks[1].half().float().state_dict()
@@ -174,7 +167,7 @@ def test_a_network_of_imagenet_adds_to_one_of_the_ensemble_that_training_starts_
     added = list(found.adapters[4].children())[-1]
     assert added.bias.abs().max() > 0.5
     again = dataclasses.replace(settings, start=str(model), fresh_learning_rate=0.0)
-    train_segmentation(data, start, card, settings=again, seed=1)
+    runs.train_segmentation(data, start, card, settings=again, seed=1)
     bias = list(load_segmenter(start).network.adapters[4].children())[-1].bias
     assert torch.allclose(bias, added.bias, atol=0.1)
 
@@ -212,7 +205,7 @@ def test_amodal_labels_are_learned_where_there_are_some(tmp_path):
     settings = SegmentationSettings(amodal=True)
     model, card = tmp_path / "m.safetensors", tmp_path / "m.md"
     with pytest.raises(InputError, match="amodal labels"):
-        train_segmentation(tmp_path, model, card, settings=settings, seed=1)
+        runs.train_segmentation(tmp_path, model, card, settings=settings, seed=1)
     behind = tmp_path / "truth" / "train" / "h1" / "amodal" / "h1_a.png"
     write_label_png(behind, np.full((48, 64), WINDOW, np.uint8))
     photo = read_labelled_photos(tmp_path, "train", long_side=32)[0]

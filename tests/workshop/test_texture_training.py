@@ -12,16 +12,8 @@ from plan2scene_workshop.texture.settings import TextureSettings
 from plan2scene_workshop.texture.training import texture_trainer, train_texture_model, warm_up
 
 TINY = Architecture(width=4, encoder="statistics")
-SETTINGS = TextureSettings(
-    warm_up=16,
-    warm_up_steps=4,
-    steps=2,
-    finish=1,
-    batch=2,
-    tile_batch=1,
-    tile_share=0.3,
-    low_precision=False,
-)
+STEPS = {"warm_up": 16, "warm_up_steps": 4, "steps": 2, "finish": 1, "batch": 2, "tile_batch": 1}
+SETTINGS = TextureSettings(**STEPS, tile_share=0.3, low_precision=False)
 
 
 @pytest.fixture(scope="module")

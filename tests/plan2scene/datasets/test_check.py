@@ -113,13 +113,8 @@ def test_import_stops_at_a_bad_table(tmp_path, caplog):
     import_plan(tmp_path / "plan.json", tmp_path / "o.json", house_id="h1", assignment=empty)
     assert f"file {empty}, house h1: expected at least one photo, found none" in caplog.messages
     assert (tmp_path / "o.json").is_file()
-    import_plan(
-        tmp_path / "plan.json",
-        tmp_path / "o.json",
-        house_id="h1",
-        assignment=table(tmp_path, "room_id,photo\na,gone.jpg\n"),
-        photos_dir=tmp_path,
-    )
+    given = {"assignment": table(tmp_path, "room_id,photo\na,gone.jpg\n"), "photos_dir": tmp_path}
+    import_plan(tmp_path / "plan.json", tmp_path / "o.json", house_id="h1", **given)
     assert caplog.messages[-1].endswith(f"photo gone.jpg in {tmp_path}, found no such file")
 
 

@@ -19,12 +19,7 @@ from plan2scene_app.workflow.config import chosen_crops, table_of
 from plan2scene_workshop.homes.floorplans import generate_house
 from plan2scene_workshop.homes.residences import write_dataset_index
 
-HOUSES = {
-    "home_train_0": "train",
-    "home_val_0": "val",
-    "home_test_0": "test",
-    "home_test_1": "test",
-}
+HOUSES = dict(home_train_0="train", home_val_0="val", home_test_0="test", home_test_1="test")
 
 
 @pytest.fixture(scope="module")
@@ -33,9 +28,7 @@ def results(tmp_path_factory):
     folder = tmp_path_factory.mktemp("results")
     png = png_bytes(np.full((128, 128, 3), 90, np.uint8))
     for house in HOUSES:
-        ids = [
-            f"{name}/{house}_{k}_0_crop0" for name in ("floor", "wall", "ceiling") for k in "012"
-        ]
+        ids = [f"{n}/{house}_{k}_0_crop0" for n in ("floor", "wall", "ceiling") for k in "012"]
         frame = pd.DataFrame({"crop_id": ids, "png": [png] * len(ids)})
         write_parquet(folder / "houses" / house / "crops.parquet", frame, {"house": house})
     return folder

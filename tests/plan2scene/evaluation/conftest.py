@@ -97,15 +97,8 @@ def files(tmp_path_factory, models):
         for i, (name, photo, room, surface, level) in enumerate(CROPS)
     ]
     write_parquet(made.crops, pd.DataFrame(rows), {"house": "h1"})
-    make_embeddings(
-        made.crops,
-        root / "embeddings.parquet",
-        models.texture,
-        models.naivesynth,
-        house="h1",
-        dataset="d",
-        seed=0,
-    )
+    inputs = made.crops, root / "embeddings.parquet", models.texture, models.naivesynth
+    make_embeddings(*inputs, house="h1", dataset="d", seed=0)
     write_library(made.library, folder=None, per_substance=2, seed=0, size_px=128)
     references = root / "reference_features.parquet"
     reference_features(made.crops, models.features, references, dataset="d", house="h1")

@@ -1,20 +1,11 @@
-import pytest
-
 from plan2scene.evaluation.ablation import VARIANTS, ablate_house
 from plan2scene.io import read_parquet
 
-HIDDEN = {"0.0": [], "0.6": ["p1.jpg", "p3.jpg"]}
 
-
-@pytest.fixture(scope="module")
-def ablated(house, embeddings, tmp_path_factory):
+def test_variants_change_only_the_surfaces_they_are_about(house, embeddings, tmp_path_factory):
     path = tmp_path_factory.mktemp("ablation") / "ablation.parquet"
-    ablate_house(house, embeddings, path, hidden=HIDDEN)
-    return path
-
-
-def test_variants_change_only_the_surfaces_they_are_about(ablated):
-    frame, _ = read_parquet(ablated)
+    ablate_house(house, embeddings, path, hidden={"0.0": [], "0.6": ["p1.jpg", "p3.jpg"]})
+    frame, _ = read_parquet(path)
     colour = frame.pivot_table(
         index=["drop", "room_id", "surface", "observed"], columns="method", values="tile"
     )

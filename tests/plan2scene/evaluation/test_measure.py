@@ -55,10 +55,7 @@ def _measured(house, tiles, observed, method, drop, model, hidden, more=()):
         {SurfaceKey(*name.split("/")) for name in observed},
         _references(hidden)[1],
         Networks(model, model),
-        house_id=house,
-        method=method,
-        drop=drop,
-        more=more,
+        **{"house_id": house, "method": method, "drop": drop, "more": more},
     )
 
 

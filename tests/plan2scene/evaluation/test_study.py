@@ -16,14 +16,7 @@ from PIL import Image
 from plan2scene.errors import InputError
 from plan2scene.images import write_png
 from plan2scene.io import read_json, write_json
-from plan2scene_app.study.study import (
-    make_questions,
-    preferences,
-    read_answers,
-    study_houses,
-    study_result,
-    write_study,
-)
+from plan2scene_app.study import study
 from plan2scene_app.study.study_sheet import write_study_sheet
 
 PAIRS = [["synth", "crop"], ["exemplar", "synth"]]
@@ -43,9 +36,7 @@ def test_a_sheet_has_plan_photos_and_a_render_by_each_method(plan, tmp_path):
     for name in ("b.jpg", "a.jpg"):
         Image.new("RGB", (640, 480), (200, 30, 30)).save(tmp_path / name)
     (tmp_path / "broken.jpg").write_text("no photo")
-    methods = {
-        name: _paint(tmp_path / name, plan, level) for name, level in (("x", 40), ("y", 220))
-    }
+    methods = {n: _paint(tmp_path / n, plan, level) for n, level in (("x", 40), ("y", 220))}
     write_study_sheet(
         tmp_path / "sheet",
         house=plan,
@@ -63,22 +54,22 @@ def test_a_sheet_has_plan_photos_and_a_render_by_each_method(plan, tmp_path):
 
 
 def test_every_pair_of_every_house_once_and_sides_even():
-    questions = make_questions(HOUSES, PAIRS, seed=3)
+    questions = study.make_questions(HOUSES, PAIRS, seed=3)
     assert [q["question"] for q in questions] == [f"q{i:03d}" for i in range(1, 15)]
     asked = Counter((q["house"], frozenset((q["left"], q["right"]))) for q in questions)
     assert asked == {(h, frozenset(pair)): 1 for h in HOUSES for pair in PAIRS}
     for first, second in PAIRS:
         assert sum((q["left"], q["right"]) == (first, second) for q in questions) in (3, 4)
-    assert questions == make_questions(HOUSES, PAIRS, seed=3)
-    other = make_questions(HOUSES, PAIRS, seed=4)
+    assert questions == study.make_questions(HOUSES, PAIRS, seed=3)
+    other = study.make_questions(HOUSES, PAIRS, seed=4)
     assert [q["left"] for q in other] != [q["left"] for q in questions]
     assert other[0]["form"] != questions[0]["form"]
 
 
 def test_houses_are_drawn_by_seed():
-    assert sorted(study_houses(HOUSES, 20, seed=0)) == HOUSES
-    drawn = study_houses(HOUSES, 3, seed=0)
-    assert len(set(drawn)) == 3 and drawn == study_houses(HOUSES[::-1], 3, seed=0)
+    assert sorted(study.study_houses(HOUSES, 20, seed=0)) == HOUSES
+    drawn = study.study_houses(HOUSES, 3, seed=0)
+    assert len(set(drawn)) == 3 and drawn == study.study_houses(HOUSES[::-1], 3, seed=0)
 
 
 @pytest.fixture
@@ -93,7 +84,7 @@ def form(tmp_path):
         write_json(folder / "sheet.json", {"photos": ["photo_1.jpg"]})
         folders.append(folder)
     paths = (tmp_path / "form.html", tmp_path / "key.csv")
-    write_study(folders, *paths, houses=HOUSES[:2], pairs=PAIRS, seed=0)
+    study.write_study(folders, *paths, houses=HOUSES[:2], pairs=PAIRS, seed=0)
     return paths
 
 
@@ -122,7 +113,7 @@ def test_answers_given_in_a_browser_are_read_back(form, tmp_path):
         for button in ("left", "right", "right", "left", "back", "left"):
             page.evaluate(f"get('{button}').click()")
         answers.write_text(page.evaluate("csv('tester_1')"))
-    read = read_answers(answers, _key(form))
+    read = study.read_answers(answers, _key(form))
     # Back from the last question (which stays shown) leads to the third: answered again.
     assert [(a.participant, a.question, a.choice) for a in read.itertuples()] == [
         ("tester_1", "q001", "left"),
@@ -149,7 +140,7 @@ def test_preferences_count_the_method_wherever_it_stood(form):
             for person, name in (("a", "synth"), ("b", "crop"))
         ]
     )
-    found = preferences(key, answers, PAIRS).set_index(["method", "other"])
+    found = study.preferences(key, answers, PAIRS).set_index(["method", "other"])
     pair = found.loc["synth", "crop"]
     assert (pair["participants"], pair["answers"], pair["chosen"]) == (2, 4, 2)
     # Wilson's interval of 2 of 4: z / (n + z^2) sqrt(n p (1 - p) + z^2 / 4) about .5.
@@ -187,7 +178,7 @@ def test_files_that_are_not_as_the_form_writes_them_are_refused(form, tmp_path, 
     path = tmp_path / "bad.csv"
     path.write_text(text.format(row=_row(key, **change)))
     with pytest.raises(InputError, match=r"bad\.csv") as caught:
-        read_answers(path, key)
+        study.read_answers(path, key)
     assert "\n" not in str(caught.value)
 
 
@@ -199,7 +190,7 @@ def test_the_result_counts_good_files_and_names_the_others(form, tmp_path):
     (tmp_path / "c.csv").write_text("rubbish\n")
     files = [tmp_path / f"{name}.csv" for name in "abc"]
     outputs = (tmp_path / "study.csv", tmp_path / "study.txt")
-    found = study_result(form[1], files, *outputs, pairs=PAIRS)
+    found = study.study_result(form[1], files, *outputs, pairs=PAIRS)
     assert list(zip(found["participants"], found["answers"], strict=True)) == [(1, 2), (1, 2)]
     rows = list(csv.DictReader(outputs[0].open()))
     assert [row["published_share"] for row in rows] == ["0.669", "none"]
@@ -209,6 +200,6 @@ def test_the_result_counts_good_files_and_names_the_others(form, tmp_path):
     assert re.search(r"refused: .*b\.csv.*synthetic_1 again", text)
     assert re.search(r"refused: .*c\.csv", text)
     with pytest.raises(InputError, match="answers"):
-        study_result(form[1], files[2:], *outputs, pairs=PAIRS)
+        study.study_result(form[1], files[2:], *outputs, pairs=PAIRS)
     with pytest.raises(InputError, match="0 files"):
-        study_result(form[1], [], *outputs, pairs=PAIRS)
+        study.study_result(form[1], [], *outputs, pairs=PAIRS)

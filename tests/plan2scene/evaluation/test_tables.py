@@ -75,15 +75,11 @@ def _loaded(files, method, column, drop):
     return figures | {"FID": set_distances(*sets)["FID"], "KID": kernel_distance(*sets)}
 
 
-def _values(tidy):
-    return tidy.set_index(["method", "column", "drop", "metric"])["value"]
-
-
 @pytest.mark.parametrize("dimension", [4, 200])
 def test_house_by_house_is_all_houses_at_once(tmp_path, dimension):
     files = _files(tmp_path, 7, dimension)
     tidy = tidy_table(Measurements(*files), _request(7))
-    found = _values(tidy)
+    found = tidy.set_index(["method", "column", "drop", "metric"])["value"]
     for (method, column, drop), _ in tidy.groupby(["method", "column", "drop"]):
         for name, value in _loaded(files, method, column, drop).items():
             assert found[method, column, drop, name] == pytest.approx(value, rel=1e-9), name

@@ -20,13 +20,8 @@ def folder(gap_house, paint, tmp_path):
     entries = {}
     for key, tile in paint(gap_house).items():
         (tmp_path / "textures" / f"{key.filename}.png").write_bytes(tile.png)
-        entries["/".join(key)] = {
-            "size_m": tile.size_m,
-            "observed": tile.observed,
-            "substance": tile.substance,
-            "seam_corrected": False,
-            "source": "test",
-        }
+        entry = {"size_m": tile.size_m, "observed": tile.observed, "substance": tile.substance}
+        entries["/".join(key)] = entry | {"seam_corrected": False, "source": "test"}
     write_index(tmp_path, entries)
     return tmp_path
 

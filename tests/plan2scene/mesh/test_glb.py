@@ -120,9 +120,7 @@ def lit_nodes(tree):
     return found
 
 
-def test_a_lamp_in_each_room_but_the_open_air_shines_down_as_far_as_its_room(
-    tree, gap_house, tmp_path
-):
+def test_a_lamp_in_each_room_indoors_shines_down_as_far_as_its_room(tree, gap_house, tmp_path):
     found = lit_nodes(tree)
     assert set(found) == {"a/lamp", "b/lamp", "sun"}
     for room in gap_house.rooms:

@@ -11,17 +11,6 @@ from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.structure import SKIRTING
 
 
-def wall_area(wall):
-    """Length x height less the union of the holes, on a fine grid independent of shapely."""
-    step = 0.005
-    s = np.arange(step / 2, wall.length, step)[:, None]
-    y = np.arange(step / 2, wall.height, step)[None]
-    hole = np.zeros((s.size, y.size), dtype=bool)
-    for o in wall.openings:
-        hole |= (s > o.start) & (s < o.end) & (y > o.bottom) & (y < o.top)
-    return wall.length * wall.height - hole.sum() * step * step
-
-
 @pytest.mark.parametrize("name", ["l_house", "ring_house", "shared_house", "gap_house"])
 def test_surfaces_have_their_area_and_face_their_room(name, request):
     house = request.getfixturevalue(name)
@@ -36,7 +25,15 @@ def test_surfaces_have_their_area_and_face_their_room(name, request):
         assert np.allclose(ceiling.vertices[:, 1], room.height)
         for wall in house.walls_of(room.id):
             face = parts[f"{room.id}/wall/{wall.id}"].mesh
-            assert face.area == pytest.approx(wall_area(wall), rel=2e-3)
+            step = 0.005
+            s = np.arange(step / 2, wall.length, step)[:, None]
+            y = np.arange(step / 2, wall.height, step)[None]
+            hole = np.zeros((s.size, y.size), dtype=bool)
+            for o in wall.openings:
+                hole |= (s > o.start) & (s < o.end) & (y > o.bottom) & (y < o.top)
+            assert face.area == pytest.approx(
+                (wall.length * wall.height - hole.sum() * step * step), rel=2e-3
+            )
             normal = face.vertex_normals[0, [0, 2]]
             inside = ((np.array(wall.start) + np.array(wall.end)) / 2) + 0.05 * normal
             assert polygon.contains(Polygon.from_bounds(*(inside - 1e-6), *(inside + 1e-6)))
@@ -120,9 +117,7 @@ def test_a_window_between_two_rooms_is_a_hatch_unless_one_is_outside(gap_house, 
     [(("Bedroom", "Balcony"), True), (("Corridor", "Terrace"), False), (("Bedroom",) * 2, False)],
 )
 def test_the_door_of_a_lived_in_room_to_a_balcony_is_of_glass(gap_house, kinds, glazed):
-    rooms = (
-        replace(room, types=(kind,)) for room, kind in zip(gap_house.rooms, kinds, strict=True)
-    )
+    rooms = (replace(r, types=(k,)) for r, k in zip(gap_house.rooms, kinds, strict=True))
     parts = assemble(replace(gap_house, rooms=tuple(rooms))).parts
     panes = [part for part in parts if part.extras["kind"] == "glass"]
     assert bool(panes) is glazed
@@ -159,9 +154,7 @@ def test_a_leaf_opens_into_the_room_with_fewer_doors(gap_house):
 def test_trim_has_the_colour_that_its_room_is_set_to(gap_house, key, in_b):
     rooms = tuple(replace(room, types=("Bedroom",)) for room in gap_house.rooms)
     parts = parts_of(replace(gap_house, rooms=rooms, trim_colours=((key, (32, 64, 96)),)))
-    blue = {
-        n: (p.colours == (32, 64, 96)).all(axis=1).mean() for n, p in parts.items() if p.uv is None
-    }
+    blue = {n: (p.colours == (32, 64, 96)).all(1).mean() for n, p in parts.items() if p.uv is None}
     assert blue["a/skirting"] == 1.0 and blue["b/skirting"] == in_b
     assert 0.1 < blue["a/door/ha"] < 0.9  # its frame, and not its leaf
     assert {share for name, share in blue.items() if name.startswith("structure")} <= {0.0}

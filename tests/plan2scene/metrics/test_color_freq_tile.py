@@ -4,12 +4,7 @@ import numpy as np
 import pytest
 from formula import formula_crop
 
-from plan2scene.metrics.color_freq_tile import (
-    color_distance,
-    color_histogram,
-    freq_distance,
-    tile_score,
-)
+from plan2scene.metrics import color_freq_tile as metrics
 
 
 @pytest.fixture(scope="module")
@@ -22,12 +17,12 @@ def crops():
 
 def test_figures_are_those_of_the_reference(crops):
     wavy, grid = crops
-    assert color_distance(wavy, grid) == pytest.approx(0.9859619140625, abs=1e-9)
-    assert color_distance(wavy, np.roll(wavy, 5, axis=1)) == 0.0
+    assert metrics.color_distance(wavy, grid) == pytest.approx(0.9859619140625, abs=1e-9)
+    assert metrics.color_distance(wavy, np.roll(wavy, 5, axis=1)) == 0.0
     for images in ((wavy, grid), (grid, wavy)):
-        assert freq_distance(*images) == pytest.approx(0.2894730934344238, abs=1e-9)
-    assert tile_score(wavy) == pytest.approx(214.78071716704454, abs=1e-9)
-    assert tile_score(grid) == pytest.approx(167.26790316808066, abs=1e-9)
+        assert metrics.freq_distance(*images) == pytest.approx(0.2894730934344238, abs=1e-9)
+    assert metrics.tile_score(wavy) == pytest.approx(214.78071716704454, abs=1e-9)
+    assert metrics.tile_score(grid) == pytest.approx(167.26790316808066, abs=1e-9)
 
 
 def test_colours_fall_into_the_bins_of_the_reference():
@@ -39,13 +34,13 @@ def test_colours_fall_into_the_bins_of_the_reference():
         hue, lightness, saturation = colorsys.rgb_to_hls(*(pixel / 255))
         expected = 9 * np.searchsorted(np.arange(1, 10) / 10, hue, "right")
         expected += 3 * np.searchsorted(thirds, saturation) + np.searchsorted(thirds, lightness)
-        assert color_histogram(pixel[None, None]).argmax() == expected, pixel
+        assert metrics.color_histogram(pixel[None, None]).argmax() == expected, pixel
 
 
 def test_wrong_inputs_are_refused(crops):
     with pytest.raises(ValueError, match="uint8"):
-        tile_score(crops[0] / 255.0)
+        metrics.tile_score(crops[0] / 255.0)
     with pytest.raises(ValueError, match="of one size"):
-        color_distance(crops[0], crops[0][:64, :64])
+        metrics.color_distance(crops[0], crops[0][:64, :64])
     with pytest.raises(ValueError, match="128 px"):
-        tile_score(crops[0][:64, :64])
+        metrics.tile_score(crops[0][:64, :64])

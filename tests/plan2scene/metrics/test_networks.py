@@ -9,8 +9,6 @@ from plan2scene.metrics.networks import features_of, load_network, network_name,
 from plan2scene.metrics.vgg import VggClassifier
 from plan2scene.weights import MODELS, save_model_file
 
-EMBEDDED = MODELS / "features.safetensors"
-
 
 def _images(count, size=128):
     rng = np.random.default_rng(2)
@@ -18,30 +16,25 @@ def _images(count, size=128):
     return list((levels + rng.integers(0, 50, (count, size, size, 3))).astype(np.uint8))
 
 
-def _formula_state(net):
-    """Return weights drawn in the order of the names, of a size that keeps the maps alive."""
-    rng = np.random.default_rng(0)
-    state = {}
-    for name, value in sorted(net.state_dict().items()):
-        if name.endswith("num_batches_tracked"):
-            continue
-        noise = rng.standard_normal(tuple(value.shape), dtype=np.float32)
-        if value.ndim == 4:
-            noise *= np.sqrt(2 / np.prod(value.shape[1:]))
-        elif name.endswith("running_var"):
-            noise = 1 + 0.1 * np.abs(noise)
-        elif name.endswith("bn.weight"):
-            noise = 1 + 0.1 * noise
-        else:
-            noise *= 0.1
-        state[name] = torch.from_numpy(np.asarray(noise, np.float32))
-    return state
-
-
 @pytest.fixture(scope="module")
 def inception_state():
     with torch.device("meta"):
-        return _formula_state(InceptionV3())
+        rng = np.random.default_rng(0)
+        state = {}
+        for name, value in sorted(InceptionV3().state_dict().items()):
+            if name.endswith("num_batches_tracked"):
+                continue
+            noise = rng.standard_normal(tuple(value.shape), dtype=np.float32)
+            if value.ndim == 4:
+                noise *= np.sqrt(2 / np.prod(value.shape[1:]))
+            elif name.endswith("running_var"):
+                noise = 1 + 0.1 * np.abs(noise)
+            elif name.endswith("bn.weight"):
+                noise = 1 + 0.1 * noise
+            else:
+                noise *= 0.1
+            state[name] = torch.from_numpy(np.asarray(noise, np.float32))
+        return state
 
 
 # What torch-fidelity 0.4.0 ("inception-v3-compat") and torchvision 0.28.0 (at 299 pixels, 2 RGB
@@ -77,11 +70,10 @@ def test_inception_checkpoints_of_another_form_are_refused(tmp_path):
     with pytest.raises(InputError, match=r"expected tensor .*tensors missing"):
         convert_checkpoint("inception", tmp_path / "bare.pth", tmp_path / "o")
     with pytest.raises(InputError, match="weights of network inception"):
-        load_network(EMBEDDED, "inception")
+        load_network(MODELS / "features.safetensors", "inception")
 
 
-@pytest.fixture
-def small_vgg(tmp_path):
+def test_vgg_tells_substances(tmp_path):
     torch.manual_seed(3)
     net = VggClassifier(divisor=32).eval()
     with torch.no_grad():  # the classes of random weights would all be one
@@ -90,17 +82,8 @@ def small_vgg(tmp_path):
                 torch.nn.init.kaiming_normal_(layer.weight)
         rgb = torch.from_numpy(np.stack(_images(11))).permute(0, 3, 1, 2).float()
         net.classifier[-1].bias -= net(rgb).mean(dim=0)
-    save_model_file(
-        tmp_path / "v.safetensors",
-        net.state_dict(),
-        {"network": "vgg16", "divisor": 32},
-        half=False,
-    )
-    return tmp_path / "v.safetensors", net
-
-
-def test_vgg_tells_substances(small_vgg):
-    path, net = small_vgg
+    path, architecture = tmp_path / "v.safetensors", {"network": "vgg16", "divisor": 32}
+    save_model_file(path, net.state_dict(), architecture, half=False)
     images = _images(11)
     with torch.no_grad():
         expected = net(torch.from_numpy(np.stack(images)).permute(0, 3, 1, 2).float()).argmax(dim=1)

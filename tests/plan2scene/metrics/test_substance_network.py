@@ -1,6 +1,5 @@
 import cv2
 import numpy as np
-import pytest
 import torch
 
 from plan2scene.house import SUBSTANCES
@@ -10,8 +9,7 @@ from plan2scene.metrics.substance_network import SubstanceNetwork, load_substanc
 from plan2scene.weights import MODELS, save_model_file
 
 
-@pytest.fixture
-def network():
+def test_a_file_gives_the_same_network_back(tmp_path):
     torch.manual_seed(0)
     network = SubstanceNetwork((4, 6, 8), feature_dim=5)
     for module in network.modules():  # statistics unlike the initial 0 and 1
@@ -20,10 +18,7 @@ def network():
             module.running_var.uniform_(0.5, 2.0)
     network.shift.normal_()
     network.scale.uniform_(0.5, 2.0)
-    return network.eval()
-
-
-def test_a_file_gives_the_same_network_back(network, tmp_path):
+    network = network.eval()
     save_model_file(tmp_path / "f.safetensors", network.state_dict(), network.architecture)
     images = np.random.default_rng(1).integers(0, 256, (18, 128, 128, 3), dtype=np.uint8)
     features, classes = describe_images(

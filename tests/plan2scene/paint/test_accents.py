@@ -95,9 +95,7 @@ def test_glare_does_not_wash_out_an_accent(tmp_path):
         for plane in planes
     ]
     write_colours(tmp_path / "colours.parquet", shown, dataset="d", house_id="h")
-    found = {
-        item.surface.surface: item.colour for item in observations_of(tmp_path / "colours.parquet")
-    }
+    found = {i.surface.surface: i.colour for i in observations_of(tmp_path / "colours.parquet")}
     red, green, blue = srgb_to_linear(np.array(ORANGE))
     assert found["wall.w1"][1] / found["wall.w1"][0] == pytest.approx(green / red, rel=0.01)
     assert found["wall.w1"][2] / found["wall.w1"][0] == pytest.approx(blue / red, rel=0.01)

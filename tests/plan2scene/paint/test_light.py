@@ -1,15 +1,7 @@
 import numpy as np
 import pytest
 
-from plan2scene.colour import (
-    CLIPPED_LEVELS,
-    as_uint8,
-    delta_e_2000,
-    linear_to_srgb,
-    median_colour,
-    rgb_to_lab,
-    srgb_to_linear,
-)
+from plan2scene import colour as tones
 from plan2scene.paint.light import GAINS, estimate_light, house_gains, recoloured, relight
 from plan2scene.paint.observations import SurfaceColour
 
@@ -25,10 +17,9 @@ def photo(name, light, *, room="r", ceiling=WHITE, wall=GREEN, floor=OAK):
 
 
 def error(colour, truth):
-    from plan2scene.colour import linear_to_srgb
 
-    lab = rgb_to_lab(linear_to_srgb(np.clip(np.stack([colour, truth]), 0, 1)))
-    return float(delta_e_2000(lab[0], lab[1]))
+    lab = tones.rgb_to_lab(tones.linear_to_srgb(np.clip(np.stack([colour, truth]), 0, 1)))
+    return float(tones.delta_e_2000(lab[0], lab[1]))
 
 
 def chroma(light):
@@ -72,15 +63,15 @@ def test_gains_keep_the_brightest_surfaces_below_the_knee():
 def test_relight_multiplies_linear_light_and_burns_nothing_out():
     ramp = np.repeat(np.arange(256, dtype=np.uint8)[None, :, None], 3, axis=2)
     gains = np.array([2.5, 1.0, 0.8])
-    lit = srgb_to_linear(relight(ramp, gains))
-    below = srgb_to_linear(ramp[0, :, 0]) * 2.5 < GAINS.knee
+    lit = tones.srgb_to_linear(relight(ramp, gains))
+    below = tones.srgb_to_linear(ramp[0, :, 0]) * 2.5 < GAINS.knee
     np.testing.assert_allclose(
-        lit[0, below, 0], srgb_to_linear(ramp[0, below, 0]) * 2.5, atol=0.006
+        lit[0, below, 0], tones.srgb_to_linear(ramp[0, below, 0]) * 2.5, atol=0.006
     )
-    np.testing.assert_allclose(lit[..., 2], srgb_to_linear(ramp[..., 2]) * 0.8, atol=0.006)
+    np.testing.assert_allclose(lit[..., 2], tones.srgb_to_linear(ramp[..., 2]) * 0.8, atol=0.006)
     red = relight(ramp, gains)[0, :, 0].astype(int)
     assert (np.diff(red) >= 0).all()
-    clipped = CLIPPED_LEVELS[1]
+    clipped = tones.CLIPPED_LEVELS[1]
     assert (red[:clipped] <= clipped).all() and red[200] < clipped
     assert relight(ramp, np.ones(3)) is ramp
 
@@ -88,7 +79,7 @@ def test_relight_multiplies_linear_light_and_burns_nothing_out():
 def test_one_table_recolours_every_pixel():
     image = np.random.default_rng(0).integers(60, 120, (16, 16, 3), dtype=np.uint8)
     colour = np.array([0.5, 0.3, 0.6])
-    np.testing.assert_allclose(median_colour(recoloured(image, colour)), colour, atol=0.01)
+    np.testing.assert_allclose(tones.median_colour(recoloured(image, colour)), colour, atol=0.01)
 
 
 @pytest.mark.parametrize("own_green", [0.0, 0.005])
@@ -97,9 +88,9 @@ def test_a_red_carpet_that_becomes_green_has_no_blotches(own_green):
     rng = np.random.default_rng(0)
     bright = rng.uniform(0.6, 1.4, (64, 64, 1))
     linear = bright * [0.2, own_green, 0.01] + rng.uniform(-0.004, 0.004, (64, 64, 3))
-    tile = as_uint8(linear_to_srgb(np.maximum(linear, 0.0)))
+    tile = tones.as_uint8(tones.linear_to_srgb(np.maximum(linear, 0.0)))
     green = np.array([0.05, 0.2, 0.15])
-    painted = srgb_to_linear(recoloured(tile, linear_to_srgb(green)))
+    painted = tones.srgb_to_linear(recoloured(tile, tones.linear_to_srgb(green)))
     assert np.median(painted, axis=(0, 1)) == pytest.approx(green, rel=0.1)
     assert (painted / painted[..., :1]).std(axis=(0, 1)) == pytest.approx(np.zeros(3), abs=0.1)
     assert np.corrcoef(painted[..., 1].ravel(), bright.ravel())[0, 1] > 0.95

@@ -16,18 +16,12 @@ def test_shading_goes_and_relief_stays():
     assert log_luma(flat).std(axis=(1, 2)) == pytest.approx(relief.std(axis=(1, 2)), rel=0.1)
 
 
-def lamps_on_stone(count, side):
-    """Return crops (3, 128, 128, 3) of grey stone with white squares, evenly placed."""
-    stone = 0.55 + np.random.default_rng(1).normal(0, 0.02, (3, 128, 128, 1)) * np.ones(3)
-    for number in range(count):
-        y, x = divmod(number, 6)
-        stone[:, 8 + 20 * y : 8 + 20 * y + side, 8 + 20 * x : 8 + 20 * x + side] = 0.97
-    return stone
-
-
 @pytest.mark.parametrize(("count", "side", "found"), [(4, 4, 4), (30, 4, 0), (2, 18, 0), (0, 4, 0)])
 def test_lamps_mirrored_in_a_floor_are_highlights(count, side, found):
-    images = lamps_on_stone(count, side)
+    images = 0.55 + np.random.default_rng(1).normal(0, 0.02, (3, 128, 128, 1)) * np.ones(3)
+    for number in range(count):
+        y, x = divmod(number, 6)
+        images[:, 8 + 20 * y : 8 + 20 * y + side, 8 + 20 * x : 8 + 20 * x + side] = 0.97
     masks = highlights(images)
     assert masks[images.min(axis=3) > 0.9].all() == (found > 0 or count == 0)
     assert masks.mean() < 0.05 and masks.any() == (found > 0)

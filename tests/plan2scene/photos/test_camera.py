@@ -97,8 +97,7 @@ def test_exif_goes_before_vanishing_points_unless_they_contradict_it():
 
 def test_no_lines_fall_back_to_the_constant_field_of_view():
     camera = estimate_camera(np.full((120, 160, 3), 128, np.uint8), fov_deg=60.0)
-    assert camera.fallback and camera.focal_source == "config"
-    assert camera.confidence == 0.0
+    assert camera.fallback and camera.focal_source == "config" and camera.confidence == 0.0
     assert camera.focal_px == pytest.approx(80 / np.tan(np.radians(30)), abs=1e-3)
     np.testing.assert_array_equal(camera.matrix, np.diag([-1.0, -1.0, 1.0]))
 

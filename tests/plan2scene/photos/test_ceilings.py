@@ -3,12 +3,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from box_room import SIZE, box_house, rendered
+from masks_folder import write_masks
 from views import camera_looking
 
 from plan2scene.house import FROM_PHOTOS, USUAL
-from plan2scene.io import write_json
 from plan2scene.photos.camera.calibration import canonical
-from plan2scene.photos.labels.palette import write_label_png
 from plan2scene.photos.locate.locate_photos import Shot
 from plan2scene_app.heights.ceilings import ceiling_height, measure_ceilings, with_ceilings
 
@@ -50,18 +49,10 @@ def test_rooms_need_not_be_told_and_photos_without_a_camera_tell_nothing():
 
 
 def test_a_plan_that_tells_its_heights_keeps_them(tmp_path):
-    for name, shot in shots(2.3).items():
-        write_label_png(tmp_path / f"{name[0]}.png", shot.labels)
-    entries = {name: shot.camera.to_json() for name, shot in shots(2.3).items()}
-    write_json(tmp_path / "cameras.json", entries)
-    for file, content in (
-        ("kinds.json", {"source": "embedded", "photos": {}}),
-        ("spots.json", []),
-        ("turns.json", []),
-        ("likeness.json", []),
-    ):
-        write_json(tmp_path / file, content)
-    table = {name: ["room"] for name in entries}
+    photos = shots(2.3)
+    cameras = {name: shot.camera.to_json() for name, shot in photos.items()}
+    write_masks(tmp_path, {name[0]: shot.labels for name, shot in photos.items()}, cameras)
+    table = {name: ["room"] for name in photos}
     told = with_ceilings(box_house(), 2.8)
     assert measure_ceilings(told, table, tmp_path) is told
     found = measure_ceilings(DRAWN, table, tmp_path)

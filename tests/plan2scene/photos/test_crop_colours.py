@@ -11,16 +11,12 @@ from plan2scene.photos.planes.planes import PhotoPlane, Plane
 SIZE = (120, 160)
 
 
-def floor_plane(mask):
-    return Plane("floor", 0, (0.0, 1.0, 0.0), -1.5, mask, "plan")
-
-
 def test_colours_of_hidden_photos_are_not_read(tmp_path):
     camera = camera_looking(SIZE, heading_deg=0.0, pitch_deg=35.0, focal=110.0)
     mask = np.zeros(SIZE, bool)
     mask[60:] = True
     image = np.full((*SIZE, 3), 128, np.uint8)
-    planes = [PhotoPlane(("a", "b"), floor_plane(mask))]
+    planes = [PhotoPlane(("a", "b"), Plane("floor", 0, (0.0, 1.0, 0.0), -1.5, mask, "plan"))]
     seen = [
         item
         for photo in ("p.jpg", "q.jpg")

@@ -85,17 +85,13 @@ def test_joints_of_a_floor_are_no_things():
     assert has_object(floor, joints=True)
 
 
-def framed(seed=0):
-    image = plain(seed)
+def test_pictures_beside_a_calm_wall_are_things_and_a_wallpaper_all_round_is_none():
+    image = plain(0)
     for row in (8, 72):
         for column in (10, 76):
             image[row : row + 44, column : column + 40] = (80, 50, 30)
             image[row + 8 : row + 36, column + 8 : column + 32] = (230, 215, 120)
-    return image
-
-
-def test_pictures_beside_a_calm_wall_are_things_and_a_wallpaper_all_round_is_none():
-    wall, pictures, paper = unrest(plain()), unrest(framed()), unrest(checker(32))
+    wall, pictures, paper = unrest(plain()), unrest(image), unrest(checker(32))
     assert wall < 1.0 < 10.0 < pictures
     limits = FILTER.restless_wall
     assert restless(np.array([wall, pictures]), *limits).tolist() == [False, True]

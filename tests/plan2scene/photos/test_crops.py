@@ -12,12 +12,7 @@ from plan2scene.house import House, Room
 from plan2scene.images import image_from_bytes, medoid_index, write_png
 from plan2scene.io import read_json, read_parquet, write_json
 from plan2scene.photos.camera.lines import SEGMENTS, find_segments, write_segments
-from plan2scene.photos.crops.extract_crops import (
-    CropFiles,
-    crops_of_house,
-    read_precomputed_crops,
-    write_crops,
-)
+from plan2scene.photos.crops import extract_crops as stage
 from plan2scene.photos.crops.filter import judge_of
 from plan2scene.photos.crops.sampling import (
     ENOUGH,
@@ -125,13 +120,13 @@ FILES.append("light.json")
 
 
 def files_in(folder):
-    return CropFiles(*(folder / name for name in FILES))
+    return stage.CropFiles(*(folder / name for name in FILES))
 
 
 def run(house, inputs, rooms_of_photo, **more):
     photos = {photo: inputs / photo for photo in rooms_of_photo}
-    made = crops_of_house(house, rooms_of_photo, photos, inputs / "masks", seed=3, **more)
-    return write_crops(made, files_in(inputs), dataset="d", house_id=house.id)
+    made = stage.crops_of_house(house, rooms_of_photo, photos, inputs / "masks", seed=3, **more)
+    return stage.write_crops(made, files_in(inputs), dataset="d", house_id=house.id)
 
 
 def test_stage_rows_and_planes_round_trip(house, inputs):
@@ -270,12 +265,12 @@ def test_precomputed_crops(house, tmp_path):
     for name in ("floor/x_1_0_crop2", "wall/x_1_7_crop0", "wall/other_0_crop0"):
         write_png(tmp_path / f"{name}.png", rng.integers(0, 255, (128, 128, 3)).astype(np.uint8))
     out = files_in(tmp_path)
-    made = read_precomputed_crops(house, {"x_1.jpg": ["room1"]}, tmp_path)
-    frame = write_crops(made, out, dataset="d", house_id="h1")
+    made = stage.read_precomputed_crops(house, {"x_1.jpg": ["room1"]}, tmp_path)
+    frame = stage.write_crops(made, out, dataset="d", house_id="h1")
     assert frame.crop_id.tolist() == ["floor/x_1_0_crop2", "wall/x_1_7_crop0"]
     assert frame.plane.tolist() == [0, 7] and frame.metres.isna().all()
     assert frame.medoid.all()
     pd.testing.assert_series_equal(read_parquet(out.crops)[0].crop_id, frame.crop_id)
     write_png(tmp_path / "floor/x_1_0_crop3.png", np.zeros((64, 64, 3), np.uint8))
     with pytest.raises(InputError, match="128x128"):
-        read_precomputed_crops(house, {"x_1.jpg": ["room1"]}, tmp_path)
+        stage.read_precomputed_crops(house, {"x_1.jpg": ["room1"]}, tmp_path)

@@ -35,9 +35,7 @@ def test_in_training_the_encoders_stay_and_what_is_added_is_learned(colours_as_i
     optimiser = torch.optim.SGD([p for p in more.parameters() if p.requires_grad], lr=1.0)
     more(X).square().mean().backward()
     optimiser.step()
-    changed = {
-        name.split(".")[0] for name, v in more.state_dict().items() if (v != before[name]).any()
-    }
+    changed = {n.split(".")[0] for n, v in more.state_dict().items() if (v != before[n]).any()}
     assert {"adapters", "head", "ups"} <= changed and not changed & {"stem", "stages"}
 
 

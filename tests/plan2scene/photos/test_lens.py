@@ -28,9 +28,7 @@ def test_the_lens_of_most_photos_is_found_and_a_second_one():
 
 
 def test_unsure_photos_get_the_lens_of_the_others_or_their_median():
-    cameras = {
-        name: replace(KNOWN, focal_px=f) for name, f in zip("abc", (800, 810, 805), strict=True)
-    }
+    cameras = {n: replace(KNOWN, focal_px=f) for n, f in zip("abc", (800, 810, 805), strict=True)}
     lost = replace(KNOWN, focal_px=1385.6, focal_source="config", confidence=0.1)
     cameras["lost"] = lost
     cameras["portrait"] = replace(lost, width=1200, height=1600)
@@ -43,9 +41,7 @@ def test_unsure_photos_get_the_lens_of_the_others_or_their_median():
         assert made[name].focal_source == "shared"
     for name in ("a", "other model", "zoomed"):
         assert made[name] == cameras[name]
-    cameras = {
-        name: replace(KNOWN, focal_px=f) for name, f in zip("abc", (600, 800, 1100), strict=True)
-    }
+    cameras = {n: replace(KNOWN, focal_px=f) for n, f in zip("abc", (600, 800, 1100), strict=True)}
     cameras["lost"] = replace(KNOWN, focal_px=1385.6, focal_source="config", confidence=0.1)
     made = with_shared_lenses(cameras, dict.fromkeys(cameras, ""), told)
     assert (made["lost"].focal_px, made["lost"].focal_source) == (800.0, "config")

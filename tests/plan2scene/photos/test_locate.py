@@ -3,6 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from box_room import HEIGHT, SIZE, WIDE, box_house, open_door_view, rendered
+from masks_folder import write_masks
 from views import camera_looking
 
 from plan2scene.datasets.assignments import PhotoAssignment, read_assignment
@@ -10,16 +11,7 @@ from plan2scene.errors import InputError
 from plan2scene.house import Opening, Wall
 from plan2scene.io import read_json, write_json
 from plan2scene.photos.camera.calibration import canonical
-from plan2scene.photos.labels.palette import (
-    FLOOR,
-    OTHER,
-    WALL,
-    WINDOW,
-    read_probability_png,
-    without_openings,
-    write_label_png,
-    write_probability_png,
-)
+from plan2scene.photos.labels import palette
 from plan2scene.photos.locate.likelihood import agreement, log_table, make_profile
 from plan2scene.photos.locate.locate_photos import (
     Shot,
@@ -73,26 +65,28 @@ def test_an_empty_square_room_tells_no_heading():
 def test_probabilities_round_trip(tmp_path):
     rng = np.random.default_rng(0)
     values = rng.dirichlet(np.ones(6), (4, 5)).transpose(2, 0, 1).astype(np.float32)
-    write_probability_png(tmp_path / "a.png", values)
-    np.testing.assert_allclose(read_probability_png(tmp_path / "a.png"), values, atol=0.5 / 255)
-    write_probability_png(tmp_path / "b.png", values[:5])
+    palette.write_probability_png(tmp_path / "a.png", values)
+    np.testing.assert_allclose(
+        palette.read_probability_png(tmp_path / "a.png"), values, atol=0.5 / 255
+    )
+    palette.write_probability_png(tmp_path / "b.png", values[:5])
     with pytest.raises(InputError, match="rows of 6 labels"):
-        read_probability_png(tmp_path / "b.png")
+        palette.read_probability_png(tmp_path / "b.png")
 
 
 def test_what_furniture_hides_is_taken_from_amodal_labels():
     photo, _ = shot(box_house(), *VIEWS[0])
     seen, behind = np.zeros((2, 6, 4, 8), np.float32)
-    seen[FLOOR], seen[OTHER] = 0.3, 0.7
-    behind[WALL], behind[WINDOW] = 0.25, 0.75
+    seen[palette.FLOOR], seen[palette.OTHER] = 0.3, 0.7
+    behind[palette.WALL], behind[palette.WINDOW] = 0.25, 0.75
     mixed = replace(photo, probabilities=seen, amodal=behind[:, ::2]).structure
-    expected = {FLOOR: 0.3, WALL: 0.7 * 0.25, WINDOW: 0.7 * 0.75}
+    expected = {palette.FLOOR: 0.3, palette.WALL: 0.7 * 0.25, palette.WINDOW: 0.7 * 0.75}
     for label, plane in enumerate(mixed):
         np.testing.assert_allclose(plane, expected.get(label, 0.0), atol=1e-6)
     house = box_house()
     bare, true = shot(house, *VIEWS[0])
     behind = np.eye(6, dtype=np.float32)[bare.labels].transpose(2, 0, 1)
-    hidden = np.where(np.arange(len(bare.labels))[:, None] > 20, OTHER, bare.labels)
+    hidden = np.where(np.arange(len(bare.labels))[:, None] > 20, palette.OTHER, bare.labels)
     seen = np.eye(6, dtype=np.float32)[hidden].transpose(2, 0, 1)
     photos = {
         "without.jpg": replace(bare, labels=hidden, probabilities=seen),
@@ -117,16 +111,8 @@ def test_cameras_json_round_trip(tmp_path):
 def test_the_stage_writes_every_camera(tmp_path):
     house = box_house()
     photo, true = shot(house, 230.0, (0.6, 1.5, 2.9))
-    masks = tmp_path / "masks"
-    masks.mkdir()
-    for name in ("a", "b"):
-        write_label_png(masks / f"{name}.png", photo.labels)
-    cameras = {f"{name}.jpg": photo.camera.to_json() for name in ("a", "b")}
-    write_json(masks / "cameras.json", cameras)
-    write_json(masks / "kinds.json", {"source": "embedded", "photos": {}})
-    write_json(masks / "spots.json", [])
-    write_json(masks / "turns.json", [])
-    write_json(masks / "likeness.json", [])
+    cameras = dict.fromkeys(("a.jpg", "b.jpg"), photo.camera.to_json())
+    masks = write_masks(tmp_path / "masks", dict.fromkeys("ab", photo.labels), cameras)
     output = tmp_path / "cameras.json"
     locate_photos(house, {"a.jpg": ["room"]}, masks, output)
     assert list(read_json(output)) == ["a.jpg", "b.jpg"]
@@ -135,24 +121,17 @@ def test_the_stage_writes_every_camera(tmp_path):
     assert list(found) == ["a.jpg"]
     np.testing.assert_allclose(found["a.jpg"].camera.matrix, true.matrix, atol=1e-6)
     # Doors and windows of the mask count: it says more than one without them.
-    plain = Shot(photo.camera, without_openings(photo.labels), ("room",))
+    plain = Shot(photo.camera, palette.without_openings(photo.labels), ("room",))
     assert found["a.jpg"].located > locate_shots(house, {"a.jpg": plain}).poses["a.jpg"].located
 
 
 def test_the_room_of_a_photo_is_found_or_asked_for(tmp_path, caplog):
     house = box_house()
     photo, true = shot(house, 230.0, (0.6, 1.5, 2.9))
-    masks = tmp_path / "masks"
-    masks.mkdir()
-    write_label_png(masks / "a.png", photo.labels)
-    write_label_png(masks / "b.png", np.full(SIZE, 2, np.uint8))
     known = photo.camera.to_json()
-    write_json(masks / "cameras.json", {"a.jpg": known, "b.jpg": {**known, "fallback": True}})
-    write_json(masks / "kinds.json", {"source": "embedded", "photos": {}})
-    write_json(masks / "spots.json", [])
-    write_json(masks / "turns.json", [])
-    write_json(masks / "likeness.json", [])
-    output = tmp_path / "cameras.json"
+    cameras = {"a.jpg": known, "b.jpg": known | {"fallback": True}}
+    labels = {"a": photo.labels, "b": np.full(SIZE, 2, np.uint8)}
+    masks, output = write_masks(tmp_path / "masks", labels, cameras), tmp_path / "cameras.json"
     rooms, placed = tmp_path / "photo_rooms.json", tmp_path / "photos.csv"
     table = {"a.jpg": [], "b.jpg": [], "damaged.jpg": []}
     poses = locate_photos(house, table, masks, output).poses
@@ -204,7 +183,7 @@ def test_a_window_that_is_seen_through_an_open_door_counts():
     seen = (np.abs(ends[..., 0] - far) < 1e-6) & (ends[..., 2] > 0.4) & (ends[..., 2] < 1.6)
     seen &= (ends[..., 1] > 1.0) & (ends[..., 1] < 1.9)
     assert seen.sum() > 50
-    shown = np.where(seen, WINDOW, labels).astype(np.uint8)
+    shown = np.where(seen, palette.WINDOW, labels).astype(np.uint8)
     with_window = replace(house, walls=(*house.walls, wall))
 
     def score(plan, mask):

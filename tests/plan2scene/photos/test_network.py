@@ -37,8 +37,7 @@ def test_a_file_of_several_networks_round_trips(tmp_path):
     assert np.array_equal(loaded.labels(_photo()), Segmenter(ensemble).labels(_photo()))
 
 
-def _trained():
-    """Return a network whose batch norms have statistics, scales and shifts of their own."""
+def test_a_folded_network_has_no_batch_norm_and_the_same_answers():
     torch.manual_seed(0)
     network = SegmentationNet(widths=[8] * 5, depths=[2] * 4, decoder=16, elevation=True)
     for module in network.modules():
@@ -48,11 +47,6 @@ def _trained():
     network.train()
     for _ in range(3):
         network(torch.rand(4, 3, 64, 96))
-    return network
-
-
-def test_a_folded_network_has_no_batch_norm_and_the_same_answers():
-    network = _trained()
     quick = folded(network)
     assert not [m for m in quick.modules() if isinstance(m, nn.BatchNorm2d)]
     assert not quick.training and not any(p.requires_grad for p in quick.parameters())

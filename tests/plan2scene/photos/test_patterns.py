@@ -47,10 +47,7 @@ def view(image, angle, *, scale=1.0, room="hall"):
     return FloorView(f"{room}{angle}.jpg", (room,), True, shown, mask > 0, found)
 
 
-FLOORS = [(4, 16, 0.5), (8, 8, 0.0), (4, 8, 0.0)]
-
-
-@pytest.mark.parametrize(("columns", "rows", "offset"), FLOORS)
+@pytest.mark.parametrize(("columns", "rows", "offset"), [(4, 16, 0.5), (8, 8, 0.0), (4, 8, 0.0)])
 def test_size_kind_and_direction_are_those_of_the_floor(columns, rows, offset):
     image = floor(columns, rows, offset, seed=1)
     found, _ = find_pattern([view(image, 25.0), view(image, 25.5, scale=1.03)])
@@ -249,13 +246,7 @@ def test_of_many_units_the_most_usual_are_laid(monkeypatch):
 
 def test_a_floor_that_no_crop_shows_runs_on_from_its_neighbours():
     outline = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
-    types = {
-        "closet": "Closet",
-        "bath": "Bathroom",
-        "hall": "Hall",
-        "store": "Closet",
-        "den": "Den",
-    }
+    types = dict(closet="Closet", bath="Bathroom", hall="Hall", store="Closet", den="Den")
     rooms = tuple(Room(name, (kind,), (outline,), 2.5) for name, kind in types.items())
     doors = (("closet", "hall"), ("bath", "hall"), ("store", "hall"), ("store", "den"))
     plan = House("h", rooms, (), tuple(Door(a, "", b) for a, b in doors))

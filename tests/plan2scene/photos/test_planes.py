@@ -39,10 +39,7 @@ def distance_to(side, eye):
     return HIGH[axis] - eye[axis] if positive else eye[axis] - LOW[axis]
 
 
-VIEWS = [(25.0, 8.0), (-40.0, 3.0), (80.0, 12.0), (0.0, 5.0)]
-
-
-@pytest.mark.parametrize(("heading", "pitch"), VIEWS)
+@pytest.mark.parametrize(("heading", "pitch"), [(25, 8), (-40, 3), (80, 12), (0, 5)])
 def test_walls_of_a_box(heading, pitch):
     eye = np.array([0.2, 1.5, -0.9])
     labels, side, camera = box_view(heading, pitch, eye)

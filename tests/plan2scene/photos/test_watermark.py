@@ -1,3 +1,5 @@
+from functools import partial
+
 import cv2
 import numpy as np
 import pytest
@@ -70,11 +72,7 @@ def test_a_mark_is_on_no_floor(tmp_path):
         photos[f"{k}.png"] = tmp_path / f"{k}.png"
         write_png(photos[f"{k}.png"], photo)
         write_label_png(tmp_path / "given" / f"{k}.png", np.full(SIZE, FLOOR, np.uint8))
-    make_masks(
-        photos,
-        lambda: labeller("precomputed", precomputed_dir=tmp_path / "given"),
-        tmp_path / "masks",
-        house_id="h",
-    )
+    label = partial(labeller, "precomputed", precomputed_dir=tmp_path / "given")
+    make_masks(photos, label, tmp_path / "masks", house_id="h")
     labels = read_label_png(tmp_path / "masks" / "3.png")
     assert (labels[letters()] == OTHER).mean() > 0.9 and (labels == FLOOR).mean() > 0.8

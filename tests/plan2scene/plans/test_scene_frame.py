@@ -69,8 +69,8 @@ def test_a_scene_as_other_programs_fill_it():
             "type": "Wall",
             "roomId": "room|bed",
             "height": 2.7,
-            "points": [corners[k], corners[(k + 1) % 4]],
             "holes": [],
+            "points": [corners[k], corners[(k + 1) % 4]],
             "materials": [{"name": "Walldrywall4Tiled", "diffuse": "#888899"}],
         }
         for k in range(4)

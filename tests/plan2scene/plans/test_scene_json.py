@@ -42,24 +42,14 @@ def arch(**changes):
 
 
 def wall(name, room, start, end, holes=()):
-    return {
-        "id": name,
-        "type": "Wall",
-        "roomId": room,
-        "points": [[start[0], 0, start[1]], [end[0], 0, end[1]]],
-        "height": 2.5,
-        "holes": list(holes),
-    }
-
-
-def write(tmp_path, document):
-    path = tmp_path / "plan.json"
-    path.write_text(json.dumps(document))
-    return path
+    points = [[start[0], 0, start[1]], [end[0], 0, end[1]]]
+    found = {"id": name, "type": "Wall", "roomId": room, "height": 2.5, "points": points}
+    return found | {"holes": list(holes)}
 
 
 def read(tmp_path, document):
-    path = write(tmp_path, document)
+    path = tmp_path / "plan.json"
+    path.write_text(json.dumps(document))
     house = read_plan(path, "h1")
     return house, validate_house(house, file=path)
 

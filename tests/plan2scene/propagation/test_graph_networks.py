@@ -9,14 +9,8 @@ from torch_geometric.data import Batch
 
 from plan2scene.errors import InputError
 from plan2scene.house import ROOM_TYPES, SUBSTANCES, SURFACES
+from plan2scene.propagation import graph_networks as networks
 from plan2scene.propagation.graph import HouseGraph
-from plan2scene.propagation.graph_networks import (
-    PointerNetwork,
-    PropagationNetwork,
-    graph_data,
-    load_propagation,
-    save_propagation,
-)
 from plan2scene.propagation.predictors import Prediction, predict
 from plan2scene.propagation.propagate import substances_of, unseen_substances
 from plan2scene.propagation.substances import on_surfaces
@@ -32,17 +26,13 @@ ROOM_0 = [
 ]
 
 
-def formula_network():
-    network = PropagationNetwork().eval()
-    network.load_state_dict(formula_state(network))
-    return network
-
-
 def test_same_output_as_the_reference():
     x = torch.sin(0.11 * (torch.arange(4 * 48, dtype=torch.float64) + 1)).float().reshape(4, 48)
     edges = torch.tensor([[0, 1, 1, 2, 1, 3], [1, 0, 2, 1, 3, 1]])
     with torch.no_grad():
-        output = formula_network()(x, edges)
+        network = networks.PropagationNetwork().eval()
+        network.load_state_dict(formula_state(network))
+        output = network(x, edges)
     assert output.shape == (4, 3, 11) and np.allclose(output[0].numpy(), ROOM_0, atol=1e-4)
     assert abs(float(output.sum()) - -3.5751821994781494) < 1e-3
 
@@ -61,7 +51,7 @@ def chain(rooms, observed=None):
 def pointer(seed=0):
     """Return a small network whose scores reach their bounds."""
     torch.manual_seed(seed)
-    network = PointerNetwork(24, 2, 8).eval()
+    network = networks.PointerNetwork(24, 2, 8).eval()
     with torch.no_grad():
         network.none.bias.add_(torch.tensor([20.0, 0.0, -20.0]))
     return network
@@ -70,8 +60,8 @@ def pointer(seed=0):
 def test_one_house_is_the_same_alone_in_a_batch_and_with_edges_in_any_order():
     rng = np.random.default_rng(2)
     graphs = [chain(n, rng.random((n, 3)) < 0.6) for n in (7, 1, 4)]
-    houses = [graph_data(graph) for graph in graphs]
-    network, gated = pointer(), PropagationNetwork(24, 2).eval()
+    houses = [networks.graph_data(graph) for graph in graphs]
+    network, gated = pointer(), networks.PropagationNetwork(24, 2).eval()
     shuffled = houses[0].clone()
     for name, rows in (("edge_index", 12), ("pair_index", 42)):
         order = torch.from_numpy(rng.permutation(rows))
@@ -98,7 +88,7 @@ def test_one_house_is_the_same_alone_in_a_batch_and_with_edges_in_any_order():
 
 
 def test_nothing_visible_and_a_single_room_work():
-    network = PointerNetwork().eval()
+    network = networks.PointerNetwork().eval()
     for graph in (chain(1), chain(4, np.zeros((4, 3), dtype=bool))):
         found = predict(network, graph)
         assert np.isfinite(found.embedding).all()
@@ -108,10 +98,10 @@ def test_nothing_visible_and_a_single_room_work():
 def test_both_networks_come_back_from_their_files(tmp_path):
     means = TypeMeans(np.zeros((12, 3, 11), np.float32), np.zeros((12, 3, 8), np.float32))
     graph = chain(4)
-    for network in (PointerNetwork().eval(), PropagationNetwork().eval()):
+    for network in (networks.PointerNetwork().eval(), networks.PropagationNetwork().eval()):
         path = tmp_path / f"{type(network).__name__}.safetensors"
-        save_propagation(path, network, means)
-        loaded, _ = load_propagation(path)
+        networks.save_propagation(path, network, means)
+        loaded, _ = networks.load_propagation(path)
         assert type(loaded) is type(network)
         assert np.array_equal(predict(loaded, graph).embedding, predict(network, graph).embedding)
     found = predict(loaded, graph)

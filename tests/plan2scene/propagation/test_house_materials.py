@@ -24,13 +24,17 @@ def test_crops_that_differ_make_few_of_them_doubtful(shared_house, tmp_path, cro
     """Means 0 and 1 of crops that lie 1.5 around them: three can do that, thirty can't."""
     rooms = [room.id for room in shared_house.rooms]
     write_scene_json(shared_house, tmp_path / "scene.json")
-    around = np.linspace(-1.5, 1.5, crops)
     rows = [
-        {"room_id": room, "surface": "floor", "n_crops": crops, "photo": "a.png"}
-        | {"substance": "tile"}
-        | {"embedding": np.r_[np.full(8, mean + off), [0.4] * 3].astype(np.float32)}
+        {
+            "room_id": room,
+            "surface": "floor",
+            "n_crops": crops,
+            "photo": "a.png",
+            "substance": "tile",
+            "embedding": code(mean + off),
+        }
         for mean, room in enumerate(rooms)
-        for off in around
+        for off in np.linspace(-1.5, 1.5, crops)
     ]
     table = pd.DataFrame(rows)
     write_parquet(tmp_path / "embeddings.parquet", table, {})
@@ -39,16 +43,26 @@ def test_crops_that_differ_make_few_of_them_doubtful(shared_house, tmp_path, cro
     assert found(tmp_path)["material"].tolist() == materials
 
 
-def test_a_floor_that_runs_on_is_one_material(shared_house, tmp_path):
-    rooms = [room.id for room in shared_house.rooms]
-    write_scene_json(shared_house, tmp_path / "scene.json")
-    codes = [np.r_[np.zeros(8), [value] * 3].astype(np.float32) for value in (0.5, 0.4)]
+def code(value, grey=0.4):
+    return np.r_[np.full(8, value), [grey] * 3].astype(np.float32)
+
+
+def two_floors(folder, plan, codes, substances, gains=None):
+    """Write a crop of each floor of a plan's two rooms; return the rooms."""
+    write_scene_json(plan, folder / "scene.json")
+    rooms = [room.id for room in plan.rooms]
     table = pd.DataFrame({"room_id": rooms, "surface": "floor", "embedding": codes})
-    table["n_crops"], table["substance"] = [1, 3], "tile"
-    write_parquet(tmp_path / "surfaces.parquet", table, {})
+    table["n_crops"], table["substance"] = [1, 3], substances
     table["photo"] = ["bright.png", "dark.png"]
-    write_parquet(tmp_path / "embeddings.parquet", table, {})
-    write_json(tmp_path / "light.json", {"gains": {"bright.png": [1.0] * 3, "dark.png": [1.5] * 3}})
+    for name in ("surfaces", "embeddings"):
+        write_parquet(folder / f"{name}.parquet", table, {})
+    write_json(folder / "light.json", {"gains": gains or {}})
+    return rooms
+
+
+def test_a_floor_that_runs_on_is_one_material(shared_house, tmp_path):
+    gains = {"bright.png": [1.0] * 3, "dark.png": [1.5] * 3}
+    rooms = two_floors(tmp_path, shared_house, [code(0, 0.5), code(0, 0.4)], "tile", gains)
     table = found(tmp_path)
     assert table["material"].tolist() == ["floor-1"] * 2
     assert table["rooms"].tolist() == ["|".join(rooms)] * 2
@@ -71,14 +85,7 @@ def test_floors_run_on_through_passages(shared_house, tmp_path, kind, width, apa
     opening = replace(opening, end=opening.start + width)
     assert opening.end <= shared.length
     plan = replace(shared_house, walls=(replace(shared, openings=(opening,)), *others))
-    write_scene_json(plan, tmp_path / "scene.json")
-    codes = [np.r_[np.full(8, k), [0.4] * 3].astype(np.float32) for k in (0.0, apart)]
-    rooms = [room.id for room in plan.rooms]
-    table = pd.DataFrame({"room_id": rooms, "surface": "floor", "embedding": codes})
-    table["n_crops"], table["photo"], table["substance"] = 1, "a.png", ["tile", other]
-    for name in ("surfaces", "embeddings"):
-        write_parquet(tmp_path / f"{name}.parquet", table, {})
-    write_json(tmp_path / "light.json", {"gains": {}})
+    two_floors(tmp_path, plan, [code(0), code(apart)], ["tile", other])
     assert found(tmp_path)["material"].tolist() == ["floor-1"] * 2 * one
 
 
@@ -88,14 +95,7 @@ def test_floors_run_on_through_passages(shared_house, tmp_path, kind, width, apa
 )
 def test_floors_of_wood_are_sooner_one(shared_house, tmp_path, substances, materials):
     """They differ by more than two of stone may."""
-    write_scene_json(shared_house, tmp_path / "scene.json")
-    codes = [np.r_[np.full(8, k), [0.4] * 3].astype(np.float32) for k in (0.0, 1.0)]
-    rooms = [room.id for room in shared_house.rooms]
-    table = pd.DataFrame({"room_id": rooms, "surface": "floor", "embedding": codes})
-    table["n_crops"], table["photo"], table["substance"] = 1, "a.png", substances
-    for name in ("surfaces", "embeddings"):
-        write_parquet(tmp_path / f"{name}.parquet", table, {})
-    write_json(tmp_path / "light.json", {"gains": {}})
+    two_floors(tmp_path, shared_house, [code(0), code(1)], substances)
     assert found(tmp_path)["material"].tolist() == materials
 
 

@@ -9,13 +9,6 @@ from plan2scene.paint.observations import HouseColours
 from plan2scene.propagation import predictors
 from plan2scene.propagation.graph import HouseGraph
 from plan2scene.propagation.graph_networks import PropagationNetwork
-from plan2scene.propagation.predictors import (
-    PREDICTORS,
-    Prediction,
-    house_evidence,
-    kindred_floors,
-    network_share,
-)
 from plan2scene.propagation.type_means import TypeMeans
 
 ROOMS = 5
@@ -49,11 +42,11 @@ def shown(graph):
 
 
 def evidence(graph):
-    return house_evidence(graph, MEANS, shown(graph))
+    return predictors.house_evidence(graph, MEANS, shown(graph))
 
 
 def share(graph, value):
-    return network_share(graph, stubborn(value), MEANS, shown(graph))
+    return predictors.network_share(graph, stubborn(value), MEANS, shown(graph))
 
 
 def stubborn(value):
@@ -76,14 +69,14 @@ def test_an_unseen_ceiling_follows_the_seen_ones():
 def test_a_network_that_is_wrong_in_this_house_is_not_heard():
     graph = alike()
     assert share(graph, 0.95) < 1e-3
-    embedding = PREDICTORS["house"](graph, stubborn(0.95), MEANS).embedding
+    embedding = predictors.PREDICTORS["house"](graph, stubborn(0.95), MEANS).embedding
     assert embedding[-1, 2, -3:] == pytest.approx(np.full(3, 0.45), abs=0.03)
 
 
 def test_a_network_that_is_right_in_this_house_is_heard(monkeypatch):
     graph = house(np.random.default_rng(0).uniform(0.1, 0.9, (ROOMS, 3)), np.ones((ROOMS, 3), bool))
     nan = np.full((ROOMS, 3), np.nan, np.float32)
-    known = Prediction(graph.embeddings, nan, np.full((ROOMS, 3), -1))
+    known = predictors.Prediction(graph.embeddings, nan, np.full((ROOMS, 3), -1))
     monkeypatch.setattr(predictors, "predict", lambda network, shown: known)
     assert share(graph, 0.5) > 0.99
     assert share(replace(graph, observed=np.zeros((ROOMS, 3), bool)), 0.5) == pytest.approx(1 / 3)
@@ -91,16 +84,18 @@ def test_a_network_that_is_right_in_this_house_is_heard(monkeypatch):
 
 def test_confidence_grows_with_surfaces_of_the_kind():
     graph = alike()
-    sure = PREDICTORS["house"](graph, stubborn(0.95), MEANS).confidence[-1, 2]
+    sure = predictors.PREDICTORS["house"](graph, stubborn(0.95), MEANS).confidence[-1, 2]
     few = graph.observed.copy()
     few[1:, 2] = False
     less = replace(graph, observed=few, embeddings=graph.embeddings * few[..., None])
-    assert 0 < PREDICTORS["house"](less, stubborn(0.95), MEANS).confidence[-1, 2] < sure < 1
+    assert (
+        0 < predictors.PREDICTORS["house"](less, stubborn(0.95), MEANS).confidence[-1, 2] < sure < 1
+    )
 
 
-@pytest.mark.parametrize("name", sorted(PREDICTORS))
+@pytest.mark.parametrize("name", sorted(predictors.PREDICTORS))
 def test_every_predictor_predicts_every_surface(name):
-    found = PREDICTORS[name](alike(), stubborn(0.6), MEANS)
+    found = predictors.PREDICTORS[name](alike(), stubborn(0.6), MEANS)
     assert found.embedding.shape == (ROOMS, 3, 11)
     assert found.confidence.shape == found.alike.shape == (ROOMS, 3)
     assert ((found.embedding[..., -3:] >= 0) & (found.embedding[..., -3:] <= 1)).all()
@@ -120,7 +115,7 @@ def floors(types, doors, shown):
     pairs = [(int(a), int(b)) for a, b in doors.split()]
     edges = np.array([*pairs, *((b, a) for a, b in pairs)]).reshape(-1, 2).T
     ids = tuple(map(str, range(len(types))))
-    return kindred_floors(HouseGraph(ids, multi_hot, edges, values, seen)).tolist()
+    return predictors.kindred_floors(HouseGraph(ids, multi_hot, edges, values, seen)).tolist()
 
 
 @pytest.mark.parametrize(
@@ -146,5 +141,5 @@ def test_the_house_predictor_copies_a_kindred_floor():
     graph.embeddings[:4, 0, :8] = np.arange(4)[:, None]
     graph.observed[4, 0] = False
     graph.embeddings[4] = 0.0
-    found = PREDICTORS["house"](graph, stubborn(0.5), MEANS, None)
+    found = predictors.PREDICTORS["house"](graph, stubborn(0.5), MEANS, None)
     assert found.embedding[4, 0] == pytest.approx(graph.embeddings[found.alike[4, 0], 0])

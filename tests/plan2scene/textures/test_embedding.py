@@ -8,28 +8,14 @@ from plan2scene.house import SUBSTANCES
 from plan2scene.images import png_bytes
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.provenance import file_hash
+from plan2scene.textures.model import texture_model
 from plan2scene.textures.model.embedding import embed_crops, make_embeddings
-from plan2scene.textures.model.texture_model import (
-    Architecture,
-    TextureModel,
-    decode_textures,
-    noise_seeds,
-)
-
-
-@pytest.fixture(scope="module")
-def models(tmp_path_factory):
-    """Files of a small texture model and a small naive one."""
-    folder = tmp_path_factory.mktemp("models")
-    paths = [folder / f"{name}.safetensors" for name in ("texture", "naivesynth")]
-    write_texture_models(*paths)
-    return paths
 
 
 @pytest.fixture(scope="module")
 def model():
     torch.manual_seed(0)
-    return TextureModel(Architecture(width=4)).eval()
+    return texture_model.TextureModel(texture_model.Architecture(width=4)).eval()
 
 
 def crops(count):
@@ -73,13 +59,17 @@ def test_threads_change_nothing(model):
 
 def test_decoding_is_reproducible_and_depends_on_the_seed(model):
     codes = np.full((2, 11), 0.4, np.float32)
-    first, second = decode_textures(model, codes, [1, 2], 32)
+    first, second = texture_model.decode_textures(model, codes, [1, 2], 32)
     assert first.shape == (32, 32, 3) and not np.array_equal(first, second)
-    assert np.array_equal(decode_textures(model, codes[:1], [2], 32)[0], second)
-    assert not np.array_equal(noise_seeds([1]), noise_seeds([2]))
+    assert np.array_equal(texture_model.decode_textures(model, codes[:1], [2], 32)[0], second)
+    assert not np.array_equal(texture_model.noise_seeds([1]), texture_model.noise_seeds([2]))
 
 
-def test_embeddings_of_a_house_with_and_without_crops(models, tmp_path):
+def test_embeddings_of_a_house_with_and_without_crops(tmp_path, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("models")
+    paths = [folder / f"{name}.safetensors" for name in ("texture", "naivesynth")]
+    write_texture_models(*paths)
+    models = paths
     table = crop_table(crops(3))
     write_parquet(tmp_path / "crops.parquet", table, {"house": "h"})
     output = tmp_path / "embeddings.parquet"

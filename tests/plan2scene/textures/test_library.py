@@ -20,10 +20,8 @@ def test_nearest_has_the_nearest_colour():
 
 
 def test_generated_library_repeats_itself_and_covers_each_substance(tmp_path):
-    for name in "ab":
-        write_library(
-            tmp_path / f"{name}.parquet", folder=None, per_substance=2, seed=5, size_px=64
-        )
+    for k in "ab":
+        write_library(tmp_path / f"{k}.parquet", folder=None, per_substance=2, seed=5, size_px=64)
     assert (tmp_path / "a.parquet").read_bytes() == (tmp_path / "b.parquet").read_bytes()
     library = read_library(tmp_path / "a.parquet")
     assert [library.of_substance(name) for name in SUBSTANCES] == [[0, 1], [2, 3], [4, 5], [6, 7]]

@@ -37,8 +37,7 @@ def slabs(seed, shift=0.0, count=4, side=SIDE):
 
 
 def exemplar(images, size_m=1.0, **facts):
-    made = make_exemplar([ExemplarCrop(i, size_m, 1.0, **facts) for i in images], size_px=128)
-    return made
+    return make_exemplar([ExemplarCrop(i, size_m, 1.0, **facts) for i in images], size_px=128)
 
 
 def tile_of(made, image=None):

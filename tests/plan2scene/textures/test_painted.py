@@ -237,9 +237,7 @@ def test_a_little_white_in_a_doorway_is_no_leaf(tmp_path, share, known):
 
 
 def test_doors_of_about_one_colour_are_of_one_material():
-    oak, darker, blue = (
-        np.array(c) for c in ((0.3, 0.2, 0.1), (0.26, 0.16, 0.07), (0.1, 0.2, 0.5))
-    )
+    oak, darker, blue = map(np.array, ((0.3, 0.2, 0.1), (0.26, 0.16, 0.07), (0.1, 0.2, 0.5)))
     seen = {SurfaceKey(name, "door"): c for name, c in zip("abc", (oak, darker, blue), strict=True)}
     found = door_paints(seen, frozenset())
     assert found["a"] == pytest.approx(np.sqrt(oak * darker))

@@ -74,13 +74,8 @@ def test_the_medoid_then_rooms_of_the_type_then_the_same_surface_then_anything()
 def test_crops_of_other_houses_come_after_rooms_of_the_type_and_before_the_rest(files):
     crops = pd.read_parquet(files / "crops.parquet")
     write_parquet(files / "other.parquet", crops.assign(medoid=[1, 0, 0, 1, 1]), {"house": "o"})
-    write_pool(
-        [files / "scene.json"],
-        [files / "other.parquet"],
-        ["o"],
-        files / "pool.parquet",
-        dataset="d",
-    )
+    given = [files / "scene.json"], [files / "other.parquet"], ["o"]
+    write_pool(*given, files / "pool.parquet", dataset="d")
     pool = read_pool(files / "pool.parquet", but="h1")
     assert [(p.house, p.crop.crop_id, p.types) for p in pool] == [
         ("o", "a", ("Bedroom",)),
@@ -154,10 +149,7 @@ def _inputs(
     inputs = [files / f"{name}.parquet" for name in ("crops", "library", "patterns")]
     crops, library, patterns = (path if path.is_file() else None for path in inputs)
     house = HouseFiles("h1", files / "scene.json", crops, library, crop_pool, patterns=patterns)
-    models = {
-        "texture": files / "synth.safetensors",
-        "naivesynth": files / "naivesynth.safetensors",
-    }
+    models = dict(texture=files / "synth.safetensors", naivesynth=files / "naivesynth.safetensors")
     corrected = {} if seam_correction is None else dict.fromkeys(texture_methods(), seam_correction)
     settings = TextureSettings(0, size_px, corrected, threads)
     return HouseData(house).at(
@@ -170,6 +162,30 @@ def _make(files, method, out="out", **changes):
     listing = json.loads((files / out / "textures.json").read_text())
     assert listing["method"] == method
     return files / out, listing["surfaces"]
+
+
+def _told(files, tones=None, *, plain=False, **columns):
+    """Rewrite colours (grey or RGB) and columns by names of surfaces; "" is the rest.
+
+    All codes are nearly the same if they are `plain`.
+    """
+    table = pd.read_parquet(files / "propagated.parquet")
+    names = table["room_id"] + "/" + table["surface"]
+    for column, told in columns.items():
+        old = zip(names, table.get(column, names), strict=True)
+        table[column] = [told.get(name, told.get("", value)) for name, value in old]
+    codes = []
+    for k, (name, code) in enumerate(zip(names, table["embedding"], strict=True)):
+        tone = (tones or {}).get(name, (tones or {}).get("", code[8:]))
+        start = np.full(8, 1e-4 * k) if plain else code[:8]
+        codes.append(np.r_[start, np.broadcast_to(tone, 3)].astype(np.float32))
+    table["embedding"] = codes
+    write_parquet(files / "propagated.parquet", table, {"house": "h1"})
+
+
+def _without_joints(files, rooms, confidence):
+    rows = {"room_id": rooms, "surface": "floor", "kind": "plain", "confidence": confidence}
+    write_parquet(files / "patterns.parquet", pd.DataFrame(rows), {"house": "h1"})
 
 
 @pytest.mark.parametrize("method", sorted(texture_methods()))
@@ -218,9 +234,7 @@ def test_medoid_colour_is_the_median_of_the_medoid_everywhere(files):
     assert (tile == np.sort(_image(100).reshape(-1, 3), axis=0)[(SIZE * SIZE - 1) // 2]).all()
     assert surfaces["bed1/floor"]["source"] == "median colour of b"
     assert not surfaces["bed1/floor"]["seam_corrected"]
-    assert (
-        "of hall" in surfaces["bath/floor"]["source"] or "bed1" in surfaces["bath/floor"]["source"]
-    )
+    assert any(room in surfaces["bath/floor"]["source"] for room in ("of hall", "bed1"))
 
 
 def test_projection_stretches_the_largest_sharp_crop_once_over_the_surface(files):
@@ -251,15 +265,11 @@ def test_crops_of_hidden_photos_are_not_seen_and_without_any_the_library_is_used
 
 
 def test_synth_large_has_the_statistics_of_the_selected_crop(files):
-    table = pd.read_parquet(files / "propagated.parquet")
     crops = pd.read_parquet(files / "crops.parquet")
     mine = crops[(crops["room_id"] == "bed1") & (crops["surface"] == "floor")]
     own = mine.iloc[0]
-    rows = list(zip(table["room_id"], table["surface"], table["source"], strict=True))
-    table["source"] = [own["crop_id"] if r[:2] == ("bed1", "floor") else r[2] for r in rows]
     tone = np.median(image_from_bytes(own["png"]).reshape(-1, 3), axis=0) / 255
-    table["embedding"] = [np.r_[code[:8], tone].astype(np.float32) for code in table["embedding"]]
-    write_parquet(files / "propagated.parquet", table, {"house": "h1"})
+    _told(files, {"": tone}, source={"bed1/floor": own["crop_id"]})
     plain, _ = _make(files, "synth", out="plain")
     large, surfaces = _make(files, "synth-large", out="large")
     before, after = (read_image(f / "bed1_floor.png") for f in (plain, large))
@@ -272,14 +282,7 @@ def test_synth_large_has_the_statistics_of_the_selected_crop(files):
 
 
 def test_exemplars_are_of_the_surface_s_crops_and_say_so(files):
-    table = pd.read_parquet(files / "propagated.parquet")
-    floor = (table["room_id"] == "bed1") & (table["surface"] == "floor")
-    grey = np.full(3, 100 / 255)  # the colour that the selection gives it, of its crops
-    table["embedding"] = [
-        np.r_[code[:8], grey if own else code[8:]].astype(np.float32)
-        for code, own in zip(table["embedding"], floor, strict=True)
-    ]
-    write_parquet(files / "propagated.parquet", table, {"house": "h1"})
+    _told(files, {"bed1/floor": 100 / 255})  # that the selection gives it, of its crops
     folder, surfaces = _make(files, "exemplar", seam_correction=True)
     assert surfaces["bed1/floor"]["source"] == "exemplar of 3 crops"
     assert surfaces["bed1/floor"]["size_m"] == pytest.approx(0.5)
@@ -293,15 +296,12 @@ def test_exemplars_are_of_the_surface_s_crops_and_say_so(files):
 
 @pytest.mark.parametrize("one_colour", [False, True])
 def test_surfaces_of_one_material_share_their_pattern(files, one_colour):
-    table = pd.read_parquet(files / "propagated.parquet")
-    floor = (table["surface"] == "floor") & table["room_id"].isin(["bed1", "hall"])
-    table["material"] = np.where(floor, "floor-1", "")
-    tone = {"bed1": 0.5 if one_colour else 0.4, "hall": 0.5 if one_colour else 0.75}
-    table["embedding"] = [
-        np.r_[code[:8], [tone[room]] * 3].astype(np.float32) if mine else code
-        for room, code, mine in zip(table["room_id"], table["embedding"], floor, strict=True)
-    ]
-    write_parquet(files / "propagated.parquet", table, {"house": "h1"})
+    tones = (
+        {"bed1/floor": 0.5, "hall/floor": 0.5}
+        if one_colour
+        else {"bed1/floor": 0.4, "hall/floor": 0.75}
+    )
+    _told(files, tones, material=dict.fromkeys(tones, "floor-1"))
     folder, surfaces = _make(files, "exemplar")
     bed, hall = (read_image(folder / f"{room}_floor.png") for room in ("bed1", "hall"))
     assert surfaces["bed1/floor"]["material"] == surfaces["hall/floor"]["material"] == "floor-1"
@@ -315,15 +315,9 @@ def test_surfaces_of_one_material_share_their_pattern(files, one_colour):
 
 
 def test_unobserved_surfaces_take_the_nearest_exemplar_of_the_house(files):
-    table = pd.read_parquet(files / "propagated.parquet")
     tone = np.array([0.75, 0.8, 0.8])  # not far from the hall's 200
-    near = np.r_[np.zeros(8), tone].astype(np.float32)
-    far = np.r_[np.zeros(8), 0.2, 0.3, 0.6].astype(np.float32)
-    codes = {("bed2", "floor"): near, ("hall", "floor"): near, ("bath", "floor"): far}
-    keys = [(row.room_id, row.surface) for row in table.itertuples()]
-    old = dict(zip(keys, table["embedding"], strict=True))
-    table["embedding"] = [codes.get(key, old[key]) for key in keys]
-    write_parquet(files / "propagated.parquet", table, {"house": "h1"})
+    tones = {"bed2/floor": tone, "hall/floor": tone, "bath/floor": (0.2, 0.3, 0.6)}
+    _told(files, tones, plain=True)
     folder, surfaces = _make(files, "exemplar")
     assert surfaces["bed2/floor"]["source"].startswith("exemplar of hall, ")
     assert np.abs(median_colour(read_image(folder / "bed2_floor.png")) - tone).max() < 0.01
@@ -332,8 +326,7 @@ def test_unobserved_surfaces_take_the_nearest_exemplar_of_the_house(files):
     assert surfaces["bath/floor"]["source"].startswith("made up: ")
     image = read_image(folder / "bath_floor.png")
     assert median_colour(image) == pytest.approx([0.2, 0.3, 0.6], abs=0.02)
-    table.loc[table["surface"] == "floor", "substance"] = "plaster"
-    write_parquet(files / "propagated.parquet", table, {"house": "h1"})
+    _told(files, substance=dict.fromkeys((*tones, "bed1/floor"), "plaster"))
     _, surfaces = _make(files, "exemplar", out="plaster")
     assert surfaces["bath/floor"]["source"].startswith("exemplar of ")
 
@@ -341,12 +334,8 @@ def test_unobserved_surfaces_take_the_nearest_exemplar_of_the_house(files):
 @pytest.mark.parametrize("level", [200, 20])
 def test_crops_of_another_thing_make_no_exemplar_of_a_surface(files, level):
     """All pixels say how bright the hall's floor is; its crop, of 200, is of it or is not."""
-    table = pd.read_parquet(files / "propagated.parquet")
-    colours = {("bed1", "floor"): 100, ("hall", "floor"): level}
-    table["colour"] = [
-        np.full(3, colours.get((row.room_id, row.surface), 128) / 255) for row in table.itertuples()
-    ]
-    write_parquet(files / "propagated.parquet", table, {"house": "h1"})
+    greys = {"bed1/floor": 100, "hall/floor": level, "": 128}
+    _told(files, colour={name: np.full(3, grey / 255) for name, grey in greys.items()})
     folder, surfaces = _make(files, "exemplar")
     own = "exemplar of 1 crops" if level == 200 else "exemplar of bed1, "
     assert surfaces["hall/floor"]["source"].startswith(own)
@@ -354,20 +343,12 @@ def test_crops_of_another_thing_make_no_exemplar_of_a_surface(files, level):
 
 
 def test_an_exemplar_of_the_predicted_substance_goes_before_a_nearer_one(files):
-    table = pd.read_parquet(files / "propagated.parquet")
-    keys = [(row.room_id, row.surface) for row in table.itertuples()]
-    tone = {("bed1", "floor"): 0.4, ("hall", "floor"): 0.55}
-    table["embedding"] = [
-        np.r_[np.full(8, 1e-4 * k), [tone.get(key, 0.56)] * 3].astype(np.float32)
-        for k, key in enumerate(keys)
-    ]
-    table["substance"] = ["tile" if key == ("hall", "floor") else "wood" for key in keys]
-    write_parquet(files / "propagated.parquet", table, {"house": "h1"})
+    tones = {"bed1/floor": 0.4, "hall/floor": 0.55, "": 0.56}
+    _told(files, tones, plain=True, substance={"hall/floor": "tile", "": "wood"})
     _, surfaces = _make(files, "exemplar")
     assert surfaces["bed2/floor"]["source"].startswith("exemplar of bed1, ")
-    table["substance"] = ["tile" if "floor" in key else "wood" for key in keys]
-    table.loc[keys.index(("bed2", "floor")), "substance"] = "carpet"  # no exemplar has it
-    write_parquet(files / "propagated.parquet", table, {"house": "h1"})
+    tiles = dict.fromkeys(("bed1/floor", "bath/floor"), "tile")
+    _told(files, substance=tiles | {"bed2/floor": "carpet"})  # no exemplar has it
     folder, surfaces = _make(files, "exemplar")
     made_up = "made up: no exemplar of a floor of carpet in the house"
     assert surfaces["bed2/floor"]["source"] == made_up
@@ -375,21 +356,15 @@ def test_an_exemplar_of_the_predicted_substance_goes_before_a_nearer_one(files):
     assert median_colour(image) == pytest.approx(0.56, abs=0.01)
     assert wrap_ratio(image) < 1.5
     # One that the prediction copies needs no substance.
-    table.at[keys.index(("bed2", "floor")), "embedding"] = table["embedding"][
-        keys.index(("hall", "floor"))
-    ]
-    write_parquet(files / "propagated.parquet", table, {"house": "h1"})
+    table = pd.read_parquet(files / "propagated.parquet").set_index(["room_id", "surface"])
+    _told(files, embedding={"bed2/floor": table.loc[("hall", "floor"), "embedding"]})
     assert _make(files, "exemplar")[1]["bed2/floor"]["source"].startswith("exemplar of hall, ")
 
 
 def test_floors_without_joints_make_no_other_floor_tiled(files):
-    table = pd.read_parquet(files / "propagated.parquet")
-    table["substance"] = "tile"
-    write_parquet(files / "propagated.parquet", table, {"house": "h1"})
-    rows = {"room_id": ["hall", "bed1"], "surface": "floor", "kind": "plain", "confidence": 0.0}
+    _told(files, substance={"": "tile"})
     for confidence, source in ((0.4, "exemplar of "), (0.9, "made up: ")):
-        rows["confidence"] = confidence
-        write_parquet(files / "patterns.parquet", pd.DataFrame(rows), {"house": "h1"})
+        _without_joints(files, ["hall", "bed1"], confidence)
         _, surfaces = _make(files, "exemplar")
         assert surfaces["bed2/floor"]["source"].startswith(source)
         assert surfaces["hall/floor"]["source"].startswith("exemplar of 1 crops")
@@ -397,18 +372,9 @@ def test_floors_without_joints_make_no_other_floor_tiled(files):
 
 @pytest.mark.parametrize(("confidence", "like"), [(0.4, "bed1"), (0.9, "hall")])
 def test_a_floor_without_joints_is_like_another_without(files, confidence, like):
-    table = pd.read_parquet(files / "propagated.parquet")
-    keys = [(row.room_id, row.surface) for row in table.itertuples()]
-    tone = {("bed1", "floor"): 0.5, ("hall", "floor"): 0.4, ("bed2", "floor"): 0.52}
-    table["embedding"] = [
-        np.r_[np.full(8, 1e-4 * k), [tone.get(key, 0.56)] * 3].astype(np.float32)
-        for k, key in enumerate(keys)
-    ]
-    table["substance"] = ["carpet" if key == ("hall", "floor") else "wood" for key in keys]
-    write_parquet(files / "propagated.parquet", table, {"house": "h1"})
-    rows = {"room_id": ["hall", "bed2"], "surface": "floor", "kind": "plain"}
-    rows["confidence"] = confidence
-    write_parquet(files / "patterns.parquet", pd.DataFrame(rows), {"house": "h1"})
+    tones = {"bed1/floor": 0.5, "hall/floor": 0.4, "bed2/floor": 0.52, "": 0.56}
+    _told(files, tones, plain=True, substance={"hall/floor": "carpet", "": "wood"})
+    _without_joints(files, ["hall", "bed2"], confidence)
     _, surfaces = _make(files, "exemplar")
     assert surfaces["bed2/floor"]["source"].startswith(f"exemplar of {like}, ")
 

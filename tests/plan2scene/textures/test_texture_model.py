@@ -1,14 +1,7 @@
 import numpy as np
-import pytest
 import torch
 
 from plan2scene.textures.model.texture_model import Architecture, TextureModel
-
-
-@pytest.fixture(scope="module")
-def small():
-    torch.manual_seed(0)
-    return TextureModel(Architecture(width=8)).eval()
 
 
 def test_state_dict_fits_released_checkpoints():
@@ -26,7 +19,9 @@ def test_state_dict_fits_released_checkpoints():
     assert shapes["substance_layer.weight"] == (4, 8)
 
 
-def test_tiles_have_the_embedding_s_colour_no_seam_and_come_in_any_size(small):
+def test_tiles_have_the_embedding_s_colour_no_seam_and_come_in_any_size():
+    torch.manual_seed(0)
+    small = TextureModel(Architecture(width=8)).eval()
     code = torch.randn(2, 11, generator=torch.Generator().manual_seed(1))
     code[:, 8:] = 0.5
     seeds = torch.rand(2, 8, 3, generator=torch.Generator().manual_seed(2))

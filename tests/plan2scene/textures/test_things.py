@@ -6,7 +6,6 @@ from plan2scene.textures.exemplar.make import ExemplarCrop, make_exemplar
 from plan2scene.textures.exemplar.things import things
 
 SIZE = 128
-NOTHING = np.zeros((1, SIZE, SIZE), bool)
 
 
 def plaster(seed):
@@ -25,7 +24,7 @@ def with_switch(image, corner=(40, 50)):
 
 
 def found(image):
-    return things(log_luma(image[None] / 255.0), NOTHING)[0]
+    return things(log_luma(image[None] / 255.0), np.zeros((1, SIZE, SIZE), bool))[0]
 
 
 def test_a_switch_is_found_and_little_else():

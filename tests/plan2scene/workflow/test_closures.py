@@ -24,9 +24,7 @@ def test_a_module_is_part_of_the_rules_that_it_can_change_alone():
 
 
 def test_plan_readers_are_of_the_plan_alone():
-    readers = {entry.module for entry in entry_points(group=GROUP)} - {
-        "plan2scene.plans.scene_json"
-    }
+    readers = {e.module for e in entry_points(group=GROUP)} - {"plan2scene.plans.scene_json"}
     assert {"plan2scene_app.plan_formats.dxf", "plan2scene_app.plan_formats.ifc"} <= readers
     for reader in (*readers, "plan2scene.plans.formats"):
         assert users(reader) <= {"floorplan", "trace"}, reader

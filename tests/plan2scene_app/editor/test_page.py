@@ -3,7 +3,6 @@ import hashlib
 import io
 import json
 import re
-from types import SimpleNamespace
 
 import cv2
 import numpy as np
@@ -18,6 +17,7 @@ from plan2scene.plans.plan_json import house_of_plan
 from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene_app.editor.editor_page import opened, picture_bytes, write_editor
 from plan2scene_app.tracing.picture import Frame
+from plan2scene_app.tracing.rooms import TracedRoom
 from plan2scene_app.tracing.scale import Scale
 from plan2scene_app.tracing.trace import TracedPlan
 
@@ -39,7 +39,7 @@ def test_the_policy_allows_the_page_itself_and_nothing_else(tmp_path):
     rules = dict(rule.strip().split(" ", 1) for rule in policy.split(";"))
     assert rules["default-src"] == "'none'" and rules["img-src"] == "data: blob:"
     for tag, source in (("style", "style-src"), ('script type="module"', "script-src")):
-        text = re.search(rf"<{tag}>(.*?)</{tag.split()[0]}>", page, re.DOTALL)[1]
+        text = re.search(rf"<{tag}>(.*?)</{tag.split()[0]}>", page, re.S)[1]
         digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
         assert rules[source] == f"'sha256-{digest}'"
     assert not re.search(r"(src|href)=\"?https?:|@import|\bfetch\(|XMLHttpRequest|WebSocket", page)
@@ -83,29 +83,10 @@ def test_a_traced_plan_lies_on_its_picture(tmp_path, monkeypatch):
     matrix = cv2.getRotationMatrix2D((350, 250), 3, 0.8)
     frame = Frame(cv2.warpAffine(picture, matrix, (700, 500)), matrix)
     ring = np.array([[200, 150], [500, 150], [500, 350], [200, 350]], float)
-    room = SimpleNamespace(
-        id="room",
-        name="",
-        types=("Kitchen",),
-        polygon=Polygon(ring @ matrix[:, :2].T + matrix[:, 2]),
-        number=1,
-        named=True,
-        confidence=0.9,
-        texts=(),
-    )
+    polygon = Polygon(ring @ matrix[:, :2].T + matrix[:, 2])
+    room = TracedRoom(1, polygon, "room", "", ("Kitchen",), True, 0.9, ())
     scale = Scale(0.0125, 0.9, "as given")
-    plan = TracedPlan(
-        picture,
-        frame,
-        (room,),
-        (),
-        scale,
-        wall_px=8.0,
-        shrunk=1.0,
-        corner=(0.0, 0.0),
-        sure=0.9,
-        read=True,
-    )
+    plan = TracedPlan(picture, frame, (room,), (), scale, 8.0, 1.0, (0.0, 0.0), 0.9, read=True)
     monkeypatch.setattr("plan2scene_app.tracing.trace.trace_picture", lambda *_, **__: plan)
     found = opened(tmp_path / "plan.png", "home")
     place, scale = found["picture"], found["scale"]

@@ -22,13 +22,8 @@ def room(name, ring, types=("Bedroom",), **more):
 
 
 def plan(*rooms, openings=(), **more):
-    return {
-        "format": "plan2scene-plan",
-        "version": 1,
-        "rooms": list(rooms),
-        "openings": list(openings),
-        **more,
-    }
+    found = {"format": "plan2scene-plan", "version": 1, "rooms": list(rooms)}
+    return found | {"openings": list(openings), **more}
 
 
 def hole(kind, start, end, bottom=0.0, top=2.0, **more):

@@ -28,6 +28,4 @@ def test_objects_tell_their_storey_as_the_card_reads_it(storey_house, paint, tmp
     lines = (tmp_path / "house.obj").read_text().splitlines()
     levels = {level.id: f"lvl{k:03d}" for k, level in enumerate(storey_house.levels)}
     for room in storey_house.rooms:
-        assert {f"o {levels[room.level]}{room.id}/{thing}" for thing in ("lamp", "floor")} <= {
-            *lines
-        }
+        assert {f"o {levels[room.level]}{room.id}/{x}" for x in ("lamp", "floor")} <= {*lines}

@@ -6,13 +6,9 @@ from plan2scene_app.exports.simulator import write_simulator
 from plan2scene_app.exports.solids import house_solids
 
 
-@pytest.fixture
-def pack(gap_house, paint, tmp_path):
+def test_collision_is_the_solids_and_each_instance_has_its_own_colour(gap_house, paint, tmp_path):
     write_simulator(gap_house, paint(gap_house), tmp_path)
-    return tmp_path
-
-
-def test_collision_is_the_solids_and_every_instance_has_a_colour_of_its_own(pack, gap_house):
+    pack = tmp_path
     scene = trimesh.load(pack / "collision.glb")
     solids = {solid.name: solid for solid in house_solids(gap_house)}
     assert set(scene.geometry) == set(solids)

@@ -8,10 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from plan2scene_app.exports.solids import LEAST_WALL, SLAB, house_solids
 
-HOUSES = ("l_house", "ring_house", "shared_house", "gap_house")
 
-
-@pytest.fixture(params=HOUSES)
+@pytest.fixture(params=("l_house", "ring_house", "shared_house", "gap_house"))
 def house(request):
     return request.getfixturevalue(request.param)
 

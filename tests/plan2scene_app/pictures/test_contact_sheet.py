@@ -15,22 +15,8 @@ from plan2scene.photos.camera.lines import SEGMENTS, find_segments, write_segmen
 from plan2scene.photos.crops.candidates import planes_of_photo
 from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL, write_label_png
 from plan2scene.photos.planes.planes import plane_row, write_planes
+from plan2scene_app.contact_sheet import sheet as layout
 from plan2scene_app.contact_sheet.panels import LAST_RESORT, REJECTED, SELECTED
-from plan2scene_app.contact_sheet.sheet import (
-    CELL,
-    COLUMNS,
-    GAP,
-    HEADER,
-    MAX_PHOTOS,
-    PANEL,
-    PANELS,
-    ROW,
-    THUMB,
-    TITLE,
-    WIDTH,
-    SheetFiles,
-    write_contact_sheet,
-)
 
 SIZE = (240, 320)
 CAMERA = camera_looking(SIZE, focal=256.0)
@@ -47,7 +33,7 @@ def room_labels():
 def candidate(photo, surface, index, reason, crop_id):
     top, left = {"floor": 190, "wall": 90, "ceiling": 10}[surface], 20 + 24 * index
     corners = [left, top, left + 30, top, left + 30, top + 30, left, top + 30]
-    return {
+    row = {
         "photo": photo,
         "room_id": "r1",
         "surface": surface,
@@ -56,8 +42,8 @@ def candidate(photo, surface, index, reason, crop_id):
         "metres": 0.5,
         "reason": reason,
         "crop_id": crop_id,
-        "corners": [float(value) for value in corners],
     }
+    return row | {"corners": [float(value) for value in corners]}
 
 
 @pytest.fixture
@@ -96,11 +82,8 @@ def case(tmp_path):
         "photos": {name: photos / name for name in ("a.png", "b.jpg", "c.png", "gone.jpg")},
         "rooms_of_photo": {"a.png": ["r1"]},
         "house": HOUSE,
-        "files": SheetFiles(
-            tmp_path / "crops.parquet",
-            tmp_path / "candidates.parquet",
-            tmp_path / "planes.parquet",
-            masks,
+        "files": layout.SheetFiles(
+            *(tmp_path / f"{name}.parquet" for name in ("crops", "candidates", "planes")), masks
         ),
     }
 
@@ -111,33 +94,40 @@ def sheet_of(case):
 
 
 def frames(sheet, row):
-    top = HEADER + row * ROW + TITLE + 2
-    left = GAP + PANELS * (PANEL[1] + GAP)
+    top = layout.HEADER + row * layout.ROW + layout.TITLE + 2
+    left = layout.GAP + layout.PANELS * (layout.PANEL[1] + layout.GAP)
     cells = [
-        sheet[top + k // COLUMNS * CELL[0] + 1, left + k % COLUMNS * CELL[1] + THUMB // 2]
-        for k in range(3 * COLUMNS)
+        sheet[
+            top + k // layout.COLUMNS * layout.CELL[0] + 1,
+            left + k % layout.COLUMNS * layout.CELL[1] + layout.THUMB // 2,
+        ]
+        for k in range(3 * layout.COLUMNS)
     ]
     return [tuple(int(v) for v in cell) for cell in cells]
 
 
 def test_each_photo_has_a_row_of_framed_windows_or_says_why_it_was_left_out(case):
-    counts = write_contact_sheet(**case)
+    counts = layout.write_contact_sheet(**case)
     sheet = sheet_of(case)
     assert counts == {"photos": 4, "selected": 2, "last_resort": 1, "rejected": 3}
-    assert sheet.shape == (HEADER + 4 * ROW, WIDTH, 3)
+    assert sheet.shape == (layout.HEADER + 4 * layout.ROW, layout.WIDTH, 3)
     found = frames(sheet, 0)
-    assert sorted(found[:COLUMNS][:3]) == sorted([SELECTED, SELECTED, LAST_RESORT])
-    assert found[COLUMNS : COLUMNS + 3] == [REJECTED] * 3 and SELECTED not in found[3:]
+    assert sorted(found[: layout.COLUMNS][:3]) == sorted([SELECTED, SELECTED, LAST_RESORT])
+    assert (
+        found[layout.COLUMNS : layout.COLUMNS + 3] == [REJECTED] * 3 and SELECTED not in found[3:]
+    )
     assert not {SELECTED, LAST_RESORT, REJECTED} & set(frames(sheet, 1))
     for row in (1, 2, 3):
-        part = sheet[HEADER + row * ROW + TITLE : HEADER + (row + 1) * ROW]
+        part = sheet[
+            layout.HEADER + row * layout.ROW + layout.TITLE : layout.HEADER + (row + 1) * layout.ROW
+        ]
         assert (np.abs(part.astype(int) - REJECTED).sum(axis=2) < 60).sum() > 100
 
 
 def test_many_photos_make_a_bounded_sheet(case):
     case["photos"] = {f"p{k:03}.jpg": Path("none") / f"p{k:03}.jpg" for k in range(400)}
-    assert write_contact_sheet(**case)["photos"] == MAX_PHOTOS
-    assert sheet_of(case).shape[0] == HEADER + MAX_PHOTOS * ROW
+    assert layout.write_contact_sheet(**case)["photos"] == layout.MAX_PHOTOS
+    assert sheet_of(case).shape[0] == layout.HEADER + layout.MAX_PHOTOS * layout.ROW
 
 
 def test_no_photos_and_ready_crops(case):
@@ -145,7 +135,7 @@ def test_no_photos_and_ready_crops(case):
     frame["corners"] = [[float("nan")] * 8] * len(frame)
     write_parquet(case["files"].candidates, frame, {})
     case["files"] = replace(case["files"], masks=None)
-    assert write_contact_sheet(**case)["selected"] == 2
+    assert layout.write_contact_sheet(**case)["selected"] == 2
     write_parquet(case["files"].candidates, frame.iloc[:0], {})
     case["photos"] = {}
-    assert not any(write_contact_sheet(**case).values())
+    assert not any(layout.write_contact_sheet(**case).values())

@@ -15,10 +15,9 @@ from plan2scene_app.plan_formats.dxf import LayerKinds, house_of_dxf
 from plan2scene_app.plan_formats.dxf_content import alphabet
 
 ezdxf = pytest.importorskip("ezdxf")
-MILLIMETRES = 4
 
 
-def document(units=MILLIMETRES):
+def document(units=4):
     doc = ezdxf.new("R2010")
     doc.header["$INSUNITS"] = units
     return doc

@@ -23,25 +23,17 @@ def surface(kind, start, end, bottom, top, story=0):
         [-along[1], 0, along[0], 0],
         [middle[0], (bottom + top) / 2, middle[1], 1],
     ]
-    return {
-        "identifier": f"{kind}{start}",
-        "category": {kind: {}},
-        "dimensions": [width, top - bottom, 0],
-        "transform": [float(v) for column in columns for v in column],
-        "story": story,
-    }
+    found = {"identifier": f"{kind}{start}", "category": {kind: {}}, "story": story}
+    found["transform"] = [float(v) for column in columns for v in column]
+    return found | {"dimensions": [width, top - bottom, 0]}
 
 
 def room(types, area, plan, story=0, base=-1.2, floors=True):
     points = list(area.exterior.coords)
     walls = [surface("wall", a, b, base, base + plan.height, story) for a, b in pairwise(points)]
-    floor = {
-        "category": {"floor": {}},
-        "dimensions": [1, 1, 0],
-        "transform": [1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, base, 0, 1],
-        "polygonCorners": [[x, z, 0] for x, z in points[:-1]],
-        "story": story,
-    }
+    floor = {"category": {"floor": {}}, "dimensions": [1, 1, 0], "story": story}
+    floor["transform"] = [1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, base, 0, 1]
+    floor["polygonCorners"] = [[x, z, 0] for x, z in points[:-1]]
     centre = area.representative_point()
     found = {
         "walls": walls,

@@ -24,24 +24,18 @@ def home_xml(plan, *, rooms=True, level=None):
     for hole in plan.holes:
         model = {"door": "door", "window": "window85x123", "passage": "doorFrame"}[hole.kind]
         place = {
-            "x": hole.centre[0] * 100,
-            "y": hole.centre[1] * 100,
-            "width": hole.width * 100,
-            "depth": plan.thickness * 100,
-            "height": (hole.top - hole.bottom) * 100,
-            "angle": atan2(hole.along[1], hole.along[0]),
-            "elevation": hole.bottom * 100,
+            "x": hole.centre[0],
+            "y": hole.centre[1],
+            "width": hole.width,
+            "depth": plan.thickness,
+            "height": hole.top - hole.bottom,
         }
+        place = {key: 100 * value for key, value in (place | {"elevation": hole.bottom}).items()}
+        place["angle"] = atan2(hole.along[1], hole.along[0])
         sash = ["<sash xAxis='0' yAxis='0' width='1' startAngle='0' endAngle='1'/>"]
+        inside = sash if hole.kind == "door" else []
         parts.append(
-            element(
-                "doorOrWindow",
-                sash if hole.kind == "door" else [],
-                catalogId=f"eTeks#{model}",
-                name=model,
-                **place,
-                **on,
-            )
+            element("doorOrWindow", inside, catalogId=f"eTeks#{model}", name=model, **place, **on)
         )
     for number, (a, b) in enumerate(plan.axes):
         ends = dict(

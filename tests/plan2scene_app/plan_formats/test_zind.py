@@ -50,17 +50,13 @@ def merger(plan):
             for i in range(0, len(points), 2):
                 triples += [*local(points[i : i + 2]), [-1.0, 0.5]]
             layout[key] = triples
-        pano = {
-            "is_primary": True,
-            "label": " / ".join(types),
-            "ceiling_height": plan.height / UNIT / scale,
-            "layout_raw": layout,
-            "floor_plan_transformation": {
-                "rotation": angle,
-                "scale": scale,
-                "translation": move.tolist(),
-            },
-        }
+        pano = dict(
+            is_primary=True,
+            label=" / ".join(types),
+            ceiling_height=plan.height / UNIT / scale,
+            layout_raw=layout,
+            floor_plan_transformation={"rotation": angle, "scale": scale, "translation": [*move]},
+        )
         found[f"complete_{k}"] = {"partial_0": {"pano_0": pano}}
     return found
 

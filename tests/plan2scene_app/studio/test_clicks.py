@@ -25,9 +25,7 @@ def end(state):
     Path(sys.argv[1], "new.json").write_text(json.dumps(record | dict(state=state)))
     Path(sys.argv[1], "new.json").replace(Path(sys.argv[1], "run.json"))
 """
-JOB = (
-    TELL
-    + """
+JOB = """
 from pathlib import Path
 from PIL import Image
 from plan2scene.plans.formats import (read_plan)
@@ -45,12 +43,15 @@ Image.new("RGB", (8, 8), "red").save(house / "textures" / "room_floor.png")
 tell("finished", rule="house")
 end("done")
 """
-)
+
+
+def job(code):
+    return (sys.executable, "-c", TELL + code)
 
 
 @pytest.fixture
 def drawing(open_home, studio, monkeypatch):
-    monkeypatch.setattr(runs, "JOB", (sys.executable, "-c", JOB))
+    monkeypatch.setattr(runs, "JOB", job(JOB))
     with open_home(f"My home {len(list(studio.root.iterdir()))}") as found:
         yield found
 
@@ -143,9 +144,7 @@ def test_refused_photos_and_a_conflict_say_what_they_are(drawing, studio, tmp_pa
 
 
 #: Stands for a workflow that makes a viewer alone: clicks in it choose a surface by its name.
-CLICKED = (
-    TELL
-    + """
+CLICKED = """
 from pathlib import Path
 home = Path(sys.argv[1])
 (home / "house").mkdir(exist_ok=True)
@@ -159,7 +158,6 @@ line = "file /a/plan.json, house h, room room: expected a, found b"
 tell("finished", rule="house", warnings=[line])
 end("done")
 """
-)
 
 
 def test_a_house_asked_for_twice_at_once_is_made_once(drawing, monkeypatch):
@@ -179,7 +177,7 @@ def test_a_house_asked_for_twice_at_once_is_made_once(drawing, monkeypatch):
 
 def test_surfaces_are_clicked_and_set_by_hand(drawing, studio, tmp_path, monkeypatch):
     page, table = drawing.page, home_of(studio, drawing) / "plan.finishes.csv"
-    monkeypatch.setattr(runs, "JOB", (sys.executable, "-c", CLICKED))
+    monkeypatch.setattr(runs, "JOB", job(CLICKED))
     two_rooms(drawing)
     add_photo(drawing, tmp_path, "room")
     page.click("#make")
@@ -244,10 +242,8 @@ def test_surfaces_are_clicked_and_set_by_hand(drawing, studio, tmp_path, monkeyp
     page.get_by_label("room wall as found").click()
     hand.get_by_text("room, wall:").wait_for(state="detached")
     assert table.read_text().splitlines() == ["room,surface,what", *rows]
-    answer = studio.ask(
-        "PUT", f"p/{table.parent.name}/finishes", {"rows": [["a", "roof", "white"]]}
-    )
-    assert answer[0] == 400 and "a surface of floor, wall, ceiling, door" in answer[1]["error"]
+    said = studio.ask("PUT", f"p/{table.parent.name}/finishes", {"rows": [["a", "roof", "white"]]})
+    assert said[0] == 400 and "a surface of floor, wall, ceiling, door" in said[1]["error"]
 
 
 def test_a_drawing_without_scale_and_layers_is_asked_for_them(drawing, studio, tmp_path):
@@ -280,37 +276,31 @@ def test_a_drawing_without_scale_and_layers_is_asked_for_them(drawing, studio, t
 
 
 #: Stands for a workflow whose first stage never ends, and for one whose first stage fails.
-STUCK = (
-    TELL
-    + """
+STUCK = """
 import time
 tell("planned", jobs=dict(floorplan=1, house=1))
 tell("started", rule="floorplan")
 time.sleep(60)
 """
-)
-FAILING = (
-    TELL
-    + """
+FAILING = """
 tell("planned", jobs=dict(masks=1))
 tell("started", rule="masks")
 fault = "file photos/a.jpg, house home: expected a JPEG, found text"
 tell("failed", rule="masks", message=fault)
 end("failed")
 """
-)
 
 
 def test_a_run_is_cancelled_fails_with_a_line_and_goes_on(drawing, monkeypatch):
     page, job = drawing.page, runs.JOB
     two_rooms(drawing)
-    monkeypatch.setattr(runs, "JOB", (sys.executable, "-c", STUCK))
+    monkeypatch.setattr(runs, "JOB", job(STUCK))
     page.click("#make")
     page.locator(".stages .running", has_text="Plan").wait_for()
     assert page.locator("#badge").inner_text() == "0/2"
     page.click("#cancel")
     page.get_by_text("What is made stays; a run goes on from there.").wait_for()
-    monkeypatch.setattr(runs, "JOB", (sys.executable, "-c", FAILING))
+    monkeypatch.setattr(runs, "JOB", job(FAILING))
     page.locator("#start-run", has_text="Go on").click()
     line = page.locator("#run .fault")
     line.wait_for()

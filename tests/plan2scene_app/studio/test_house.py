@@ -7,8 +7,6 @@ from plan2scene.images import write_png
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import room_polygon
 
-LONGEST = 600
-
 
 @pytest.fixture
 def drawing(open_home, request):
@@ -21,9 +19,7 @@ def made_house(drawing, folder):
     page = drawing.page
     page.wait_for_function("() => !house.host.pending")
     page.click("#make")
-    page.wait_for_function(
-        "() => ['done', 'failed'].includes(house.run.state)", timeout=1000 * LONGEST
-    )
+    page.wait_for_function("() => ['done', 'failed'].includes(house.run.state)", timeout=1000 * 600)
     assert page.evaluate("[house.run.state, house.run.fault]") == ["done", ""]
     assert set(page.locator(".stages li").all_text_contents()) >= {"Plan", "The house in 3D"}
     page.wait_for_selector("iframe")

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from plan2scene_app.tracing.lettering import TextLine
-from plan2scene_app.tracing.settings import DOOR, PLAN_LABELS, WALL, WINDOW
+from plan2scene_app.tracing.settings import DOOR, PLAN_LABELS, ROOM, WALL, WINDOW
 
 PPM = 30
 #: Rooms of the flat: label and floor in metres (x0, y0, x1, y1); walls are .1 m.
@@ -41,6 +41,12 @@ def as_probabilities(labels, sure=0.9):
     found = np.full((count, *labels.shape), (1 - sure) / (count - 1), np.float32)
     np.put_along_axis(found, labels[None].astype(int), sure, axis=0)
     return found
+
+
+def rooms_alone():
+    """Return the flat's labels, all its rooms alike, and its page."""
+    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels()).astype(np.uint8)
+    return labels, solid_page(labels)
 
 
 @pytest.fixture

@@ -5,28 +5,21 @@ import numpy as np
 import pytest
 from shapely.geometry import box
 
-from plan2scene_app.tracing.ink import (
-    with_drawn_doors,
-    with_drawn_walls,
-    with_sliding_doors,
-    with_swings,
-    with_swung_windows,
-    with_whole_windows,
-    without_standing_lines,
-)
+from plan2scene_app.tracing import ink as marks
+from plan2scene_app.tracing import rooms as outlines
 from plan2scene_app.tracing.named_areas import without_counters
 from plan2scene_app.tracing.openings import TracedOpening, find_openings
 from plan2scene_app.tracing.regions import find_regions
-from plan2scene_app.tracing.rooms import (
-    room_polygons,
-    with_garage_doors,
-    with_terrace_doors,
-    without_rails,
-)
 from plan2scene_app.tracing.settings import DOOR, OUTSIDE, PASSAGE, ROOM, WALL, WINDOW
 from plan2scene_app.tracing.thin_walls import with_thin_walls
 
-from .conftest import PPM, as_probabilities, flat_labels, solid_page
+from .conftest import PPM, as_probabilities, flat_labels, rooms_alone, solid_page
+
+
+def traced(labels):
+    regions = find_regions(labels, PPM)
+    polygons = outlines.room_polygons(regions)
+    return regions, polygons, find_openings(regions, polygons, as_probabilities(labels))
 
 
 @pytest.mark.parametrize("arc", [True, False])
@@ -35,18 +28,17 @@ def test_an_arc_makes_a_window_a_door(arc):
     page = solid_page(labels)
     if arc:
         cv2.ellipse(page, (180, 33), (45, 45), 0, 0, 90, (0, 0, 0), 1)
-    found = with_drawn_doors(labels, page, PPM)
+    found = marks.with_drawn_doors(labels, page, PPM)
     assert found[31, 200] == (DOOR if arc else WINDOW)
     assert (found == ROOM).sum() == (labels == ROOM).sum()
 
 
 def test_a_gap_in_a_wall_between_rooms_is_a_door():
-    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels())
-    page = solid_page(labels)
+    labels, page = rooms_alone()
     labels[60:87, 150:153] = WALL  # the door between both rooms
-    assert (with_drawn_doors(labels, page, PPM)[62:85, 151] == DOOR).all()
+    assert (marks.with_drawn_doors(labels, page, PPM)[62:85, 151] == DOOR).all()
     page[:] = 255  # walls that are not solid
-    assert with_drawn_doors(labels, page, PPM) is labels
+    assert marks.with_drawn_doors(labels, page, PPM) is labels
 
 
 def test_a_solid_wall_that_the_network_misses_goes_on():
@@ -55,64 +47,62 @@ def test_a_solid_wall_that_the_network_misses_goes_on():
     cv2.rectangle(page, (5, 5), (20, 20), (0, 0, 0), -1)  # a mark beside the plan is no wall
     partly = labels.copy()
     partly[:, 230:] = np.where(partly[:, 230:] == WALL, OUTSIDE, partly[:, 230:])
-    found = with_drawn_walls(partly, page, PPM)
+    found = marks.with_drawn_walls(partly, page, PPM)
     assert (found[labels == WALL] == WALL).all()
     assert (found[5:21, 5:21] == labels[5:21, 5:21]).all()
 
 
 @pytest.mark.parametrize(("ink", "kind"), [(255, PASSAGE), (215, PASSAGE), (0, WALL)])
 def test_a_wide_gap_between_rooms_with_a_faint_line_is_a_passage(ink, kind):
-    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels())
-    page = solid_page(labels)
+    labels, page = rooms_alone()
     page[50:110, 150:153] = 255
     page[50:110, 151] = ink  # a threshold, or a wall drawn as one line
     labels[50:110, 150:153] = WALL
     labels[60:80, 150:153] = WINDOW
-    found = with_drawn_doors(labels, page, PPM)[50:110, 151]
+    found = marks.with_drawn_doors(labels, page, PPM)[50:110, 151]
     assert (found[2:-2] == kind).mean() > 0.6 and (PASSAGE in found) == (kind == PASSAGE)
 
 
 def test_where_doors_swing_a_blank_gap_is_a_passage():
-    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels())
+    labels, _ = rooms_alone()
     hinges = (60, 105, 180)
     for hinge in hinges:
         labels[120:123, hinge : hinge + 27] = DOOR
     page = solid_page(labels)
     for hinge in hinges:
         cv2.ellipse(page, (hinge, 121), (27, 27), 0, -90, 0, (0, 0, 0), 1)
-    found = with_drawn_doors(labels, page, PPM)
+    found = marks.with_drawn_doors(labels, page, PPM)
     assert (found[62:85, 151] == PASSAGE).all() and (found[121, 62:85] == DOOR).all()
     page[120:123] = np.where(labels[120:123, :, None] == WALL, 0, 255)
     page[93:120] = page[125:150] = 255
     page[labels == WALL] = 0  # without the swings all gaps are doors
-    assert (with_drawn_doors(labels, page, PPM)[62:85, 151] == DOOR).all()
+    assert (marks.with_drawn_doors(labels, page, PPM)[62:85, 151] == DOOR).all()
 
 
 @pytest.mark.parametrize("goes_on", [False, True])
 def test_an_open_leaf_is_no_wall_unless_a_wall_goes_on_behind_it(goes_on):
-    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels())
+    labels, _ = rooms_alone()
     labels[80:120, 88:91] = WALL  # the open leaf, and as much again
     page = solid_page(labels)
     page[80 : 80 if goes_on else 95, 86:93] = 255
     cv2.ellipse(page, (88, 121), (27, 27), 0, 180, 270, (0, 0, 0), 1)  # from 2.0 to 2.9 m
-    found = with_drawn_doors(labels, page, PPM)
+    found = marks.with_drawn_doors(labels, page, PPM)
     assert (found[95:119, 89] == (WALL if goes_on else ROOM)).all()
     assert (found[121, 62:85] == DOOR).all()
 
 
 def test_a_door_whose_swing_is_drawn_is_a_sure_one():
-    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels()).astype(np.uint8)
-    page = solid_page(labels)
+    labels, page = rooms_alone()
     cv2.ellipse(page, (60, 121), (27, 27), 0, -90, 0, (0, 0, 0), 1)
     regions = find_regions(labels, PPM)
-    seen = find_openings(regions, room_polygons(regions), as_probabilities(labels, 0.4))
-    found = with_swings(seen, page, regions.wall_px)
+    seen = find_openings(regions, outlines.room_polygons(regions), as_probabilities(labels, 0.4))
+    found = marks.with_swings(seen, page, regions.wall_px)
     sure = [opening for opening in found if opening.confidence > 0.7]
     assert [opening.kind for opening in sure] == ["door"] and sure[0].start[1] > 115
 
 
 def test_counters_with_thin_lines_before_them_are_part_of_a_named_kitchen():
-    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels())
+    labels, _ = rooms_alone()
     labels[33:51, 195:237] = ROOM
     labels[51:54, 195:240] = labels[30:54, 195:198] = WALL
     page = solid_page(labels)
@@ -129,30 +119,32 @@ def test_counters_with_thin_lines_before_them_are_part_of_a_named_kitchen():
 
 @pytest.mark.parametrize("leaves", [2, 0])
 def test_leaves_in_a_gap_that_the_network_takes_for_floor_are_a_door(leaves):
-    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels())
+    labels, _ = rooms_alone()
     labels[50:95, 150:153] = ROOM  # a gap of 1.5 m, all floor
     page = solid_page(labels)
     for hinge, start in ((50, 0), (94, 270))[:leaves]:
         cv2.ellipse(page, (151, hinge), (22, 22), 0, start, start + 90, (0, 0, 0), 1)
-    assert (with_drawn_doors(labels, page, PPM)[51:94, 151] == (DOOR if leaves else ROOM)).all()
+    assert (
+        marks.with_drawn_doors(labels, page, PPM)[51:94, 151] == (DOOR if leaves else ROOM)
+    ).all()
 
 
 def test_a_leaf_that_opens_towards_another_door_leaves_that_whole():
-    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels()).astype(np.uint8)
+    labels, _ = rooms_alone()
     labels[labels == DOOR] = WALL
     labels[91:118, 150:153] = labels[120:123, 120:147] = DOOR
     page = solid_page(labels)
     for hinge, start in (((150, 118), 180), ((120, 120), 270)):
         cv2.ellipse(page, hinge, (27, 27), 0, start, start + 90, (0, 0, 0), 1)
-    found = with_drawn_doors(labels, page, PPM)
+    found = marks.with_drawn_doors(labels, page, PPM)
     assert (found[121, 120:147] == DOOR).all() and (found[92:117, 151] == DOOR).all()
 
 
 @pytest.mark.parametrize(("doors", "found"), [(20, [DOOR]), (6, [DOOR, WINDOW])])
 def test_a_gap_that_is_half_a_door_and_half_a_window_is_a_door(doors, found):
-    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels()).astype(np.uint8)
+    labels, _ = rooms_alone()
     labels[30:33, 180 : 180 + doors] = DOOR  # of a window of 45 pixels
-    changed = with_drawn_doors(labels, solid_page(labels), PPM)
+    changed = marks.with_drawn_doors(labels, solid_page(labels), PPM)
     assert np.unique(changed[31, 180:225]).tolist() == found
 
 
@@ -162,7 +154,7 @@ def test_two_doors_that_meet_in_a_corner_are_two():
     labels[30:60, 240:243] = DOOR
     labels[30:33, 237:243] = DOOR
     regions = find_regions(np.where(labels >= ROOM, ROOM, labels).astype(np.uint8), PPM)
-    doors = find_openings(regions, room_polygons(regions), as_probabilities(labels))
+    doors = find_openings(regions, outlines.room_polygons(regions), as_probabilities(labels))
     widths = sorted(round(o.width / PPM, 1) for o in doors if o.kind == "door")
     assert widths == pytest.approx([0.9, 0.9, 0.9, 1.0], abs=0.15)
 
@@ -191,38 +183,34 @@ def test_thin_lines_part_named_rooms_and_gaps_in_them_are_doors():
     ("arcs", "leaves", "kind"), [(2, 2, "door"), (2, 0, "window"), (0, 0, "window")]
 )
 def test_leaves_drawn_at_a_window_make_it_a_door(arcs, leaves, kind):
-    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels()).astype(np.uint8)
-    page = solid_page(labels)
+    labels, page = rooms_alone()
     for hinge, start in ((180, 270), (225, 180))[:arcs]:  # two leaves that open outwards
         cv2.ellipse(page, (hinge, 31), (22, 22), 0, start, start + 90, (0, 0, 0), 1)
         if leaves:
             cv2.line(page, (hinge, 31), (hinge, 9), (0, 0, 0), 1)
     regions = find_regions(labels, PPM)
-    openings = find_openings(regions, room_polygons(regions), as_probabilities(labels))
+    openings = find_openings(regions, outlines.room_polygons(regions), as_probabilities(labels))
 
     def kinds(upstairs):
-        found = with_swung_windows(openings, page, regions.wall_px, upstairs)
+        found = marks.with_swung_windows(openings, page, regions.wall_px, upstairs)
         return sorted(opening.kind for opening in found)
 
     assert kinds(()) == sorted(["door", "door", kind])
     askew = TracedOpening("window", (180.0, 27.0), (225.0, 35.0), 1, 0, 0.9)  # its outline is
-    assert [o.kind for o in with_swung_windows([askew], page, regions.wall_px)] == [kind]
+    assert [o.kind for o in marks.with_swung_windows([askew], page, regions.wall_px)] == [kind]
     assert kinds([1, 2]) == ["door", "door", "window"]  # no balcony is behind it
 
 
 @pytest.mark.parametrize(("missed", "pier"), [(True, False), (False, True)])
 def test_a_window_is_as_long_as_its_lines(missed, pier):
-    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels()).astype(np.uint8)
-    page = solid_page(labels)
+    labels, page = rooms_alone()
     page[[30, 32], 180:225] = 0  # two lines for the window's 45 pixels
     if pier:
         page[30:33, 195:210] = 0
     if missed:
         labels[30:33, 192:213] = WALL  # the network sees its ends alone
-    regions = find_regions(labels, PPM)
-    polygons = room_polygons(regions)
-    openings = find_openings(regions, polygons, as_probabilities(labels))
-    found = with_whole_windows(openings, polygons, page, regions.wall_px, PPM)
+    regions, polygons, openings = traced(labels)
+    found = marks.with_whole_windows(openings, polygons, page, regions.wall_px, PPM)
     widths = [opening.width for opening in found if opening.kind == "window"]
     assert widths == pytest.approx([15, 15] if pier else [45], abs=2)
     assert [o for o in found if o.kind == "door"] == [o for o in openings if o.kind == "door"]
@@ -238,56 +226,49 @@ def test_a_window_is_as_long_as_its_lines(missed, pier):
     ],
 )
 def test_panes_beside_a_blank_are_a_sliding_door(blank, lines, kind):
-    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels()).astype(np.uint8)
-    page = solid_page(labels)
+    labels, page = rooms_alone()
     page[31 : 31 + lines, 180:225] = 0
     page[30:33, blank] = 255
-    regions = find_regions(labels, PPM)
-    polygons = room_polygons(regions)
-    openings = find_openings(regions, polygons, as_probabilities(labels))
-    found = with_sliding_doors(openings, polygons, page, regions.wall_px, PPM, set())
+    regions, polygons, openings = traced(labels)
+    found = marks.with_sliding_doors(openings, polygons, page, regions.wall_px, PPM, set())
     (outer,) = [o for o in found if not o.other and o.start[1] < 40 and o.start[0] > 150]
     assert outer.kind == kind and outer.width == pytest.approx(45, abs=2)
     assert len(found) == len(openings)
 
 
 def test_windows_beside_sliding_panes_are_of_their_door():
-    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels()).astype(np.uint8)
+    labels, _ = rooms_alone()
     labels[30:33, 162:237] = WALL
     page = solid_page(labels)
     page[30:33, 180:225] = 255
     page[31, [*range(180, 193), *range(212, 225)]] = 0  # panes that slide
     labels[30:33, 162:180] = labels[30:33, 225:237] = WINDOW
     labels[30:33, 193:212] = PASSAGE
-    regions = find_regions(labels, PPM)
-    polygons = room_polygons(regions)
-    openings = find_openings(regions, polygons, as_probabilities(labels))
-    found = with_sliding_doors(openings, polygons, page, regions.wall_px, PPM, set())
+    regions, polygons, openings = traced(labels)
+    found = marks.with_sliding_doors(openings, polygons, page, regions.wall_px, PPM, set())
     (outer,) = [o for o in found if not o.other and o.start[1] < 40]
     assert outer.kind == "door" and outer.width == pytest.approx(75, abs=3)
 
 
 def test_the_slanted_lines_of_a_bay_are_no_panes():
-    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels()).astype(np.uint8)
-    page = solid_page(labels)
+    labels, page = rooms_alone()
     cv2.line(page, (180, 33), (189, 28), (0, 0, 0), 1)
     cv2.line(page, (224, 33), (215, 28), (0, 0, 0), 1)
-    regions = find_regions(labels, PPM)
-    polygons = room_polygons(regions)
-    openings = find_openings(regions, polygons, as_probabilities(labels))
-    assert with_sliding_doors(openings, polygons, page, regions.wall_px, PPM, set()) == openings
+    regions, polygons, openings = traced(labels)
+    assert (
+        marks.with_sliding_doors(openings, polygons, page, regions.wall_px, PPM, set()) == openings
+    )
 
 
 def test_the_outline_of_an_island_is_no_wall_but_a_pillar_is():
-    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels()).astype(np.uint8)
-    page = solid_page(labels)
+    labels, page = rooms_alone()
     bare = labels.copy()
     for side in ((slice(60, 90), slice(170, 172)), (slice(60, 90), slice(200, 202))):
         labels[side], page[side] = WALL, 0  # thin lines
     labels[62:88, 172:200] = OUTSIDE  # what they enclose
     pillar = slice(60, 70), slice(80, 90)
     labels[pillar], page[pillar] = WALL, 0
-    found = without_standing_lines(labels, page, PPM)
+    found = marks.without_standing_lines(labels, page, PPM)
     expected = bare.copy()
     expected[62:88, 172:200] = OUTSIDE
     expected[pillar] = WALL
@@ -304,7 +285,7 @@ def test_the_widest_window_to_a_terrace_without_a_door_is_one():
         replace(wide, room=5),  # that room has a door
         replace(wide, room=5, kind="door"),
     ]
-    door, *others = with_terrace_doors([wide, *kept], {2}, 60.0)
+    door, *others = outlines.with_terrace_doors([wide, *kept], {2}, 60.0)
     assert door == replace(wide, kind="door", confidence=0.5) and others == kept
 
 
@@ -317,7 +298,7 @@ def test_a_window_all_along_a_terrace_is_its_rail():
         replace(rail, start=(5.0, 150.0), end=(95.0, 150.0), room=2),
         replace(rail, kind="door"),
     ]
-    assert without_rails([rail, *kept], {1: terrace, 2: room}, {1}) == kept
+    assert outlines.without_rails([rail, *kept], {1: terrace, 2: room}, {1}) == kept
 
 
 def test_a_wide_window_of_a_garage_to_the_outside_is_its_door():
@@ -327,5 +308,5 @@ def test_a_wide_window_of_a_garage_to_the_outside_is_its_door():
         replace(wide, other=2),
         replace(wide, room=2),
     ]
-    door, *others = with_garage_doors([wide, *kept], [1], 60.0)
+    door, *others = outlines.with_garage_doors([wide, *kept], [1], 60.0)
     assert door == replace(wide, kind="door") and others == kept

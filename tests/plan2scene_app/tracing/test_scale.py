@@ -1,90 +1,78 @@
 import pytest
 
-from plan2scene_app.plan_formats.measures import (
-    read_areas,
-    read_length,
-    read_sides,
-    without_measures,
-)
+from plan2scene_app.plan_formats import measures
 from plan2scene_app.tracing.scale import RoomSize, chain_evidence, find_scale, room_evidence
 from plan2scene_app.tracing.settings import SETTINGS
 
 from .conftest import line
 
-
-@pytest.mark.parametrize(
-    ("text", "metres"),
-    [
-        ("3.20 m", [3.2]),
-        ("3,20", [3.2, 0.032]),
-        ("3200", [3.2, 32.0]),
-        ("320", [0.32, 3.2]),
-        ("320 cm", [3.2]),
-        ("3200mm", [3.2]),
-        ("12'6\"", [3.81]),
-        ("12' 6''", [3.81]),
-        ("12'-6”", [3.81]),
-        ("12 ft 6 in", [3.81]),
-        ("11'", [3.3528]),
-        ("12'13\"", []),
-        ("Bedroom 2", []),
-        ("7", []),
-        ("99999", []),
-        ("", []),
-    ],
-)
-def test_lengths(text, metres):
-    assert read_length(text) == pytest.approx([value for value in metres if value >= 0.3])
+LENGTHS = {
+    3.2: "3.20 m|320 cm|3200mm",
+    3.81: "12'6\"|12' 6''|12'-6”|12 ft 6 in",
+    3.3528: "11'",
+    None: "12'13\"|Bedroom 2|7|99999|",
+}
 
 
-@pytest.mark.parametrize(
-    ("text", "square_metres", "digit"),
-    [
-        ("14,5 m2", 14.5, 0.1),
-        ("13m²", 13.0, 1.0),
-        ("Wohnen 21.37 qm", 21.37, 0.01),
-        ("6.2 sqm", 6.2, 0.1),
-        ("215 sq ft", 19.97, 0.0929),
-        ("100 ft²", 9.29, 0.0929),
-        ("12,3 м2", 12.3, 0.1),
-        ("12,3 кв. м", 12.3, 0.1),
-        ("洋室 6.0帖", 9.72, 0.162),
-    ],
-)
-def test_areas(text, square_metres, digit):
-    assert read_areas(text) == [pytest.approx((square_metres, digit), rel=1e-3)]
+@pytest.mark.parametrize("metres", LENGTHS)
+def test_lengths(metres):
+    expected = [] if metres is None else [pytest.approx(metres)]
+    texts = LENGTHS[metres].split("|")
+    assert {text: measures.read_length(text) for text in texts} == dict.fromkeys(texts, expected)
+
+
+def test_lengths_without_a_unit():
+    """What is shorter than 30 cm is none."""
+    assert measures.read_length("3,20") == pytest.approx([3.2])
+    assert measures.read_length("3200") == pytest.approx([3.2, 32.0])
+    assert measures.read_length("320") == pytest.approx([0.32, 3.2])
+
+
+AREAS = {
+    "14,5 m2": (14.5, 0.1),
+    "13m²": (13.0, 1.0),
+    "Wohnen 21.37 qm": (21.37, 0.01),
+    "6.2 sqm": (6.2, 0.1),
+    "215 sq ft": (19.97, 0.0929),
+    "100 ft²": (9.29, 0.0929),
+    "12,3 м2": (12.3, 0.1),
+    "12,3 кв. м": (12.3, 0.1),
+    "洋室 6.0帖": (9.72, 0.162),
+}
+
+
+@pytest.mark.parametrize("text", AREAS)
+def test_areas(text):
+    assert measures.read_areas(text) == [pytest.approx(AREAS[text], rel=1e-3)]
 
 
 @pytest.mark.parametrize("text", ["3.20 m", "14,5", "1 m2x", "100000 m2", "m2"])
 def test_what_is_no_area(text):
-    assert read_areas(text) == []
+    assert measures.read_areas(text) == []
 
 
-@pytest.mark.parametrize(
-    ("text", "sides"),
-    [
-        ("3.20 x 4.10 m", (3.2, 4.1)),
-        ("3,20m × 4,10m", (3.2, 4.1)),
-        ("322 X 347", (3.22, 3.47)),
-        ("352 X332", (3.52, 3.32)),
-        ("12'6\" x 10'2\"", (3.81, 3.0988)),
-        ("3200x4100", (3.2, 4.1)),
-        ("~11.7× 12.1", (3.566, 3.688)),
-        ("11 x 11.6", (3.353, 3.536)),
-        ("3.81m x 3.10m (12'6\" x 10'2\")", (3.81, 3.1)),
-        ("12'6\" (3.81m) x 10'2\" (3.10m)", (3.81, 3.0988)),
-        ("(12'6\" x 10'2\")", (3.81, 3.0988)),
-        ("12'6 max x 10'2 into bay", (3.81, 3.0988)),
-        ("Bedroom 2 3.81m by 3.10m", (3.81, 3.1)),
-    ],
-)
-def test_sides(text, sides):
-    assert any(found == pytest.approx(sides, rel=1e-3) for found in read_sides(text))
+SIDES = {
+    (3.2, 4.1): "3.20 x 4.10 m|3,20m × 4,10m|3200x4100",
+    (3.22, 3.47): "322 X 347",
+    (3.52, 3.32): "352 X332",
+    (3.81, 3.0988): "12'6\" x 10'2\"|12'6\" (3.81m) x 10'2\" (3.10m)|(12'6\" x 10'2\")"
+    "|12'6 max x 10'2 into bay",
+    (3.566, 3.688): "~11.7× 12.1",
+    (3.353, 3.536): "11 x 11.6",
+    (3.81, 3.1): "3.81m x 3.10m (12'6\" x 10'2\")|Bedroom 2 3.81m by 3.10m",
+}
+
+
+@pytest.mark.parametrize("sides", SIDES)
+def test_sides(sides):
+    for text in SIDES[sides].split("|"):
+        found = measures.read_sides(text)
+        assert any(pair == pytest.approx(sides, rel=1e-3) for pair in found), text
 
 
 @pytest.mark.parametrize("text", ["Bedroom 2", "Suite 2x", "3.81m x", "2 4"])
 def test_what_gives_no_sides(text):
-    assert read_sides(text) == []
+    assert measures.read_sides(text) == []
 
 
 @pytest.mark.parametrize(
@@ -97,7 +85,7 @@ def test_what_gives_no_sides(text):
     ],
 )
 def test_a_name_beside_its_measures(text, name):
-    assert without_measures(text) == name
+    assert measures.without_measures(text) == name
 
 
 TRUE = 0.02

@@ -87,18 +87,8 @@ def test_pictures_without_a_sheet_stay_as_they_are():
     panels[50:295, 600:950] = cv2.resize(flat, (350, 245))
     blueprint = np.full((400, 500, 3), 60, np.uint8)
     cv2.rectangle(blueprint, (60, 50), (440, 350), (240, 240, 240), 16)
-    for picture in (
-        flat,
-        255 - flat,
-        blueprint,
-        framed,
-        panels,
-        round_table,
-        noise,
-        empty,
-        0 * empty,
-        strip,
-    ):
+    plans = (flat, 255 - flat, blueprint, framed, panels)
+    for picture in (*plans, round_table, noise, empty, 0 * empty, strip):
         assert find_sheet(picture) is None
 
 

@@ -16,13 +16,8 @@ from plan2scene.images import write_png
 from plan2scene.plans.formats import read_plan
 from plan2scene_app.cli import app
 from plan2scene_app.tracing import lettering, trace
+from plan2scene_app.tracing import picture as pictures
 from plan2scene_app.tracing.lettering import TextLine, read_lines
-from plan2scene_app.tracing.picture import (
-    flat_share,
-    paper_share,
-    read_plan_picture,
-    refuse_other_pictures,
-)
 from plan2scene_app.tracing.settings import SETTINGS
 from plan2scene_app.tracing.trace import traced_files, write_trace
 
@@ -198,17 +193,17 @@ def test_rooms_in_a_busy_picture_without_paper_have_to_be_surer(sure, paper, tak
     if paper:
         image[:210] = 250
         image[210:, ::8] = 0  # a fine drawing: little of it is flat
-    assert flat_share(image) < SETTINGS.busy
-    assert (paper_share(image) >= SETTINGS.drawn_paper) is paper
+    assert pictures.flat_share(image) < SETTINGS.busy
+    assert (pictures.paper_share(image) >= SETTINGS.drawn_paper) is paper
     with nullcontext() if taken else pytest.raises(InputError, match="a photo"):
-        refuse_other_pictures("plan.jpg", image, sure, {1: box(0, 0, 9, 9)}, openings=3)
+        pictures.refuse_other_pictures("plan.jpg", image, sure, {1: box(0, 0, 9, 9)}, openings=3)
 
 
 def test_a_picture_of_12000_x_9000_pixels_is_worked_on_at_a_sixth(tmp_path):
     page = Image.new("1", (12_000, 9_000), 1)
     ImageDraw.Draw(page).rectangle((1200, 1200, 10_800, 7800), outline=0, width=120)
     page.save(tmp_path / "large.png")
-    found = read_plan_picture(tmp_path / "large.png")
+    found = pictures.read_plan_picture(tmp_path / "large.png")
     assert found.image.shape == (1500, 2000, 3) and (found.shrunk, found.corner) == (6, (0, 0))
     assert found.image[500, 205].max() < 60 < 200 < found.image[500, 500].min()
 
@@ -217,7 +212,7 @@ def test_blank_paper_is_cut_before_a_picture_is_made_smaller(tmp_path):
     page = Image.new("L", (6_000, 4_000), 255)
     ImageDraw.Draw(page).rectangle((3000, 1000, 4999, 1999), outline=0, width=30)
     page.save(tmp_path / "small.png")
-    found = read_plan_picture(tmp_path / "small.png")
+    found = pictures.read_plan_picture(tmp_path / "small.png")
     assert found.corner == (3000 - 120, 1000 - 120)  # a fiftieth of the longer side is left
     assert found.shrunk == pytest.approx(2240 / 2000)
     rows, columns = np.nonzero(found.image.max(2) < 60)

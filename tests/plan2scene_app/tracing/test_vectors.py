@@ -7,24 +7,19 @@ from scipy import ndimage
 from shapely.geometry import Polygon, box
 
 from plan2scene.plans.plan_json import FORMAT
+from plan2scene_app.tracing import rooms as outlines
 from plan2scene_app.tracing.openings import find_openings
 from plan2scene_app.tracing.picture import main_direction
 from plan2scene_app.tracing.regions import find_regions, structure_of
-from plan2scene_app.tracing.rooms import (
-    describe_rooms,
-    room_polygons,
-    with_types_by_marks,
-    without_spikes,
-)
 from plan2scene_app.tracing.settings import DOOR, OUTSIDE, PASSAGE, ROOM, WALL, WINDOW
 from plan2scene_app.tracing.trace import without_loose_openings
 
-from .conftest import PPM, as_probabilities, flat_labels, line
+from .conftest import PPM, as_probabilities, flat_labels, line, rooms_alone
 
 
 def traced(probabilities):
     regions = find_regions(structure_of(probabilities), PPM)
-    return regions, room_polygons(regions)
+    return regions, outlines.room_polygons(regions)
 
 
 def test_a_slanted_wall_stays_slanted():
@@ -42,9 +37,9 @@ def test_a_slanted_wall_stays_slanted():
 def test_a_narrow_part_of_an_outline_is_none():
     room = box(10.0, 20.0, 200.0, 120.0)
     sharp = room.union(Polygon([(16.0, 20.0), (18.0, 12.0), (18.0, 20.0)]))  # as of a slanted line
-    assert without_spikes(sharp, 5.0).equals(room)
+    assert outlines.without_spikes(sharp, 5.0).equals(room)
     alcove = room.union(box(10.0, 10.0, 18.0, 20.0))
-    assert without_spikes(alcove, 5.0) is alcove
+    assert outlines.without_spikes(alcove, 5.0) is alcove
 
 
 def test_floor_that_goes_on_is_a_passage():
@@ -93,7 +88,7 @@ def test_the_strip_of_a_cupboard_along_a_wall_is_no_passage():
 
 @pytest.mark.parametrize(("line_px", "thin"), [(1, True), (3, False)])
 def test_what_lies_behind_a_thin_line_belongs_to_its_room(line_px, thin):
-    labels = np.where(flat_labels() >= ROOM, ROOM, flat_labels())
+    labels, _ = rooms_alone()
     labels[33:120, 150:153] = WALL  # without the door between both rooms
     labels[33:120, 137 - line_px : 137] = WALL  # the front of a cupboard of 43 cm
     regions = find_regions(labels, PPM)
@@ -123,7 +118,7 @@ def test_a_name_is_no_word_of_appliances_and_joins_the_rooms_of_an_open_one(prob
         "FRIDGE": (6.5, 3.7, 30),
     }
     lines = [line(text, x * PPM, y * PPM, (width, 8.0)) for text, (x, y, width) in words.items()]
-    rooms = describe_rooms(regions, polygons, probabilities, lines)
+    rooms = outlines.describe_rooms(regions, polygons, probabilities, lines)
     assert sorted(room.name for room in rooms) == ["Front Bedroom", "LIVING / DINING"]
 
 
@@ -131,7 +126,7 @@ def test_rooms_are_named_by_text_else_by_furniture(probabilities):
     regions, polygons = traced(probabilities)
     lines = [line("Chambre 1", 3.0 * PPM, 2.0 * PPM), line("11.31 m²", 3.0 * PPM, 2.4 * PPM)]
     named, other = sorted(
-        describe_rooms(regions, polygons, probabilities, lines), key=lambda r: not r.named
+        outlines.describe_rooms(regions, polygons, probabilities, lines), key=lambda r: not r.named
     )
     assert (named.id, named.types, named.name) == ("chambre_1", ("Bedroom",), "Chambre 1")
     assert (other.id, other.types, other.named) == ("kitchen", ("Kitchen",), False)
@@ -151,12 +146,12 @@ def test_marks_tell_what_an_unnamed_room_is(step, treads, kind):
     regions, polygons = traced(probabilities)
     openings = find_openings(regions, polygons, probabilities)
     lines = [line("Chambre 1", 3.0 * PPM, 2.0 * PPM)]
-    rooms = describe_rooms(regions, polygons, probabilities, lines)
+    rooms = outlines.describe_rooms(regions, polygons, probabilities, lines)
     image = np.full((*labels.shape, 3), 255, np.uint8)
     if step:
         image[:, round(5.1 * PPM) :: step] = 0
     taken = {room.number: treads for room in rooms}
-    found = with_types_by_marks(rooms, openings, regions, image, taken, 1 / PPM)
+    found = outlines.with_types_by_marks(rooms, openings, regions, image, taken, 1 / PPM)
     assert {room.types for room in found} == {("Bedroom",), (kind,)}
 
 
@@ -166,13 +161,13 @@ def test_a_plan_that_names_a_bedroom_names_all():
     regions, polygons = traced(probabilities)
     openings = find_openings(regions, polygons, probabilities)
     lines = [line("Chambre 1", 3.0 * PPM, 2.0 * PPM)]
-    rooms = describe_rooms(regions, polygons, probabilities, lines)
+    rooms = outlines.describe_rooms(regions, polygons, probabilities, lines)
     assert [room.types for room in rooms] == [("Bedroom",)] * 2
     basin = np.full((*labels.shape, 3), 255, np.uint8)  # round: as what a door sweeps
     for radius in range(6, 30, 3):
         cv2.circle(basin, (round(6.5 * PPM), round(2.0 * PPM)), radius, (0, 0, 0))
     taken = {room.number: 0.0 for room in rooms}
-    found = with_types_by_marks(rooms, openings, regions, basin, taken, 1 / PPM)
+    found = outlines.with_types_by_marks(rooms, openings, regions, basin, taken, 1 / PPM)
     assert sorted(room.types for room in found) == [("Bathroom",), ("Bedroom",)]
 
 

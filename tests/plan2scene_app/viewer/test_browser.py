@@ -21,12 +21,12 @@ NAME = (
 CROP = "data:image/gif;base64,R0lGODlhAQABAIAAAAAAAP///yH5BAEAAAAALAAAAAABAAEAAAIBRAA7"
 #: In the room's middle at eye level, looks along +x and a little down.
 SHOT = {
+    "rotation": [[0.0, 0.0, 1.0], [-0.1, -0.995, 0.0], [0.995, -0.1, 0.0]],
+    "room_id": "r",
     "width": 640,
     "height": 480,
     "focal_px": 400.0,
-    "rotation": [[0.0, 0.0, 1.0], [-0.1, -0.995, 0.0], [0.995, -0.1, 0.0]],
     "position": [2.0, 1.5, 1.5],
-    "room_id": "r",
     "located": 0.75,
     "image": CROP,
 }

@@ -41,20 +41,9 @@ def photos():
 
 
 def _render(house, views, decor=None):
-    return iter(
-        render_house(
-            house,
-            _materials(),
-            {},
-            views,
-            5,
-            height=SIZE[0],
-            width=SIZE[1],
-            samples_per_pixel=4,
-            variant=VARIANT,
-            decor=decor,
-        )
-    )
+    size = {"height": SIZE[0], "width": SIZE[1], "samples_per_pixel": 4}
+    photos = render_house(house, _materials(), {}, views, 5, **size, variant=VARIANT, decor=decor)
+    return iter(photos)
 
 
 def test_photos_are_bright_and_see_every_surface(photos):
