@@ -8,7 +8,6 @@ PPM = 50
 
 
 def flat_picture() -> np.ndarray:
-    """Return a picture (h, w, 3) of a flat of 8 x 5 m with two rooms, two doors and a window."""
     image = np.full((7 * PPM, 10 * PPM, 3), 255, np.uint8)
 
     def box(colour, *metres):

@@ -74,7 +74,6 @@ def house():
 
 
 def numbers(value: Any) -> Iterator[float]:
-    """Yield every number within what a reader returned."""
     if isinstance(value, torch.Tensor):
         value = value.numpy()
     if isinstance(value, np.ndarray):
@@ -435,7 +434,6 @@ def places(value: Any) -> list[tuple[Any, Any]]:
 
 
 def _other_values(draw: Callable, data: bytes) -> bytes:
-    """Return a JSON document with values taken out, changed or repeated."""
     document = json.loads(data)
     for _ in range(draw(st.integers(1, 3))):
         found = places(document)

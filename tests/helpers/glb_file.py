@@ -5,7 +5,6 @@ import struct
 
 
 def chunks(path):
-    """Return the header and the binary of a GLB, whose sizes are right."""
     data = path.read_bytes()
     magic, version, size = struct.unpack_from("<4sII", data)
     assert (magic, version, size) == (b"glTF", 2, len(data))

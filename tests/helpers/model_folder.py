@@ -10,7 +10,6 @@ HEADER = "file,class,width,depth,height,mount\n"
 
 
 def model_folder(folder: Path, count: int = 16) -> Path:
-    """Write `count` boxes of 0.6 x 0.5 x 0.8 m in a folder: chairs, and every third a table."""
     rows = []
     for k in range(count):
         box = trimesh.creation.box((0.6, 0.8, 0.5))

@@ -23,7 +23,6 @@ def file_of(name):
 
 
 def textures_of(folder, tiles, **entry):
-    """Write a textures folder of tiles (sRGB) by `room/surface`, all with maps."""
     folder.mkdir()
     usual = {"size_m": 1.0, "observed": True, "substance": "plaster", "source": "crops"}
     for name, tile in tiles.items():

@@ -34,7 +34,6 @@ def with_openings(house, chosen=lambda _: True, **changes):
 
 
 def parts_of(house):
-    """Return the parts of a house by name."""
     return {part.name: part for part in assemble(house).parts}
 
 

@@ -17,7 +17,6 @@ def write_texture_model(path: Path, *, half: bool = True, **architecture: object
 
 
 def write_texture_models(texture: Path, naive: Path) -> None:
-    """Write Synth's and NaiveSynth's model, the same every time."""
     torch.manual_seed(0)
     write_texture_model(texture)
     write_texture_model(naive, delta_hsv=False, substances=0)

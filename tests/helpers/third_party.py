@@ -24,7 +24,6 @@ def toy_site(tmp_path_factory):
 
 @pytest.fixture
 def toy_installed(toy_site, monkeypatch):
-    """Install the package for this process and those that it starts."""
     path = os.pathsep.join(filter(None, [os.environ.get("PYTHONPATH"), str(toy_site)]))
     monkeypatch.setenv("PYTHONPATH", path)
     monkeypatch.syspath_prepend(toy_site)

@@ -4,7 +4,6 @@ import io
 
 
 def dxf(scale=1000, layer="W1"):
-    """Return a DXF drawing without a unit, its walls on a layer of an odd name."""
     import ezdxf
 
     doc = ezdxf.new("R2010")

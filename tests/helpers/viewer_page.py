@@ -32,7 +32,6 @@ class ViewerPage:
         return self._browser.__exit__(*fault)
 
     def open(self, path):
-        """Open a file and wait until, a viewer, it is ready."""
         self.path = path
         self.requests.clear()
         self.complaints.clear()
@@ -47,7 +46,6 @@ class ViewerPage:
             self.requests.append(request.url)
 
     def run(self, script):
-        """Return the value of a script or of the promise it is; no content policy is in the way."""
         done = self._tools.send(
             "Runtime.evaluate", {"expression": script, "returnByValue": True, "awaitPromise": True}
         )
@@ -55,7 +53,6 @@ class ViewerPage:
         return done["result"].get("value")
 
     def wait(self, condition, seconds=60):
-        """Wait until a condition of the page holds."""
         for _ in range(round(seconds / 0.05)):
             if self.run(condition):
                 return

@@ -58,14 +58,11 @@ def cycle(found):
     return []
 
 
-def test_library_imports_neither_workshop_nor_snakemake():
+def test_nothing_imports_what_lies_above_it():
     forbidden = {"plan2scene_workshop", "snakemake", "mitsuba"}
     modules = sources(LIBRARY) | sources(APP)
     found = {name: imported_packages(path) & forbidden for name, path in modules.items()}
     assert {name: names for name, names in found.items() if names} == {}
-
-
-def test_core_imports_no_app():
     found = {n for n, p in sources(LIBRARY).items() if "plan2scene_app" in imported_packages(p)}
     assert found == set()
 

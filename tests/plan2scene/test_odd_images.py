@@ -116,7 +116,6 @@ def wide_gamut(form, **options):
 
 
 def with_alpha(mode):
-    """Return a PNG whose last quarter is fully transparent."""
     alpha = in_quarters(np.array([255, 255, 255, 0], np.uint8))
     image = rgb().convert("L" if mode == "LA" else "RGB")
     image.putalpha(Image.fromarray(alpha))
@@ -174,7 +173,6 @@ def damaged_icc():
 
 
 def png_with(*extra):
-    """Return the PNG of `drawn` with more chunks after its header."""
     whole = saved(rgb(), "PNG")
     return whole[:33] + b"".join(extra) + whole[33:]
 

@@ -13,16 +13,13 @@ from plan2scene.weights import MODELS, load_model_file, read_model_arrays, save_
 STATE = {"a.weight": torch.arange(6.0).reshape(2, 3) / 3, "b": torch.tensor([1, 2])}
 
 
-def test_round_trip_in_half_and_full_precision(tmp_path):
+def test_weights_round_trip_and_have_the_same_bytes_each_time(tmp_path):
     for half, tolerance in ((True, 1e-3), (False, 0.0)):
         save_model_file(tmp_path / "m.safetensors", STATE, {"width": 2}, half=half)
         state, architecture = load_model_file(tmp_path / "m.safetensors")
         assert architecture == {"width": 2} and state["a.weight"].dtype == torch.float32
         assert (state["a.weight"] - STATE["a.weight"]).abs().max() <= tolerance
         assert torch.equal(state["b"], STATE["b"])
-
-
-def test_same_state_same_bytes(tmp_path):
     files = []
     for k in range(8):
         save_model_file(tmp_path / f"{k}.safetensors", STATE, {"width": 2, "depth": 1})

@@ -82,18 +82,20 @@ def test_check_tells_errors_by_its_exit_code_and_of_a_picture_that_it_is_traced(
     assert code == 1 and "error: file" in output
 
 
-def test_run_refuses_a_room_the_plan_lacks_before_any_work(tmp_path, monkeypatch, capsys):
-    table = tmp_path / "photos.csv"
+def test_run_refuses_before_any_work_what_it_cannot_use(tmp_path, monkeypatch, capsys):
+    table, out = tmp_path / "photos.csv", tmp_path / "out"
+    arguments = ["run", "--plan", PLAN, "--out", out]
     table.write_text("room_id,photo\nno_such_room,x.jpg\n")
-    arguments = ["run", "--plan", PLAN, "--photos", table, "--out", tmp_path / "out"]
-    assert "no_such_room" in fault_of(monkeypatch, capsys, *arguments)
-    assert not (tmp_path / "out" / "work" / ".snakemake").exists()
-
-
-def test_run_refuses_a_texture_size_before_any_work(tmp_path):
-    out = tmp_path / "out"
-    with pytest.raises(cli.InputError, match="found 100"):
-        call("run", "--plan", PLAN, "--out", out, "--texture-size", "100")
+    assert "no_such_room" in fault_of(monkeypatch, capsys, *arguments, "--photos", table)
+    assert not (out / "work" / ".snakemake").exists()
+    out = arguments[-1] = tmp_path / "other"
+    with pytest.raises(InputError, match="found 100"):
+        call(*arguments, "--texture-size", "100")
+    (tmp_path / "a.JPG").write_text("no picture")
+    (tmp_path / "b.jpg").write_text("no picture")
+    table.write_text("room_id,photo\nliving,a.jpg\nhall,b.jpg\n")
+    with pytest.raises(InputError, match=r"none of 2; the first: .* no such file, but a\.JPG"):
+        call(*arguments, "--photos", table)
     assert not out.exists()
 
 
@@ -150,16 +152,6 @@ def test_a_house_is_called_as_its_plan(tmp_path, name, house):
     (tmp_path / name).write_bytes(PLAN.read_bytes())
     call("edit", tmp_path / name, "--out", tmp_path / "page.html")
     assert f"<title>{house} - " in (tmp_path / "page.html").read_text()
-
-
-def test_run_without_any_photo_that_can_be_read_is_refused(tmp_path):
-    (tmp_path / "a.JPG").write_text("no picture")
-    (tmp_path / "b.jpg").write_text("no picture")
-    table, out = tmp_path / "photos.csv", tmp_path / "out"
-    table.write_text("room_id,photo\nliving,a.jpg\nhall,b.jpg\n")
-    with pytest.raises(InputError, match=r"none of 2; the first: .* no such file, but a\.JPG"):
-        call("run", "--plan", PLAN, "--photos", table, "--out", out)
-    assert not out.exists()
 
 
 def test_dxf_layers_by_the_command_line(tmp_path):

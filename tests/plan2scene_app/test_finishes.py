@@ -17,7 +17,6 @@ NAMES = ("a/floor", "a/wall", "a/wall.w1", "b/floor", "b/wall", "b/ceiling")
 
 @pytest.fixture
 def house(tmp_path):
-    """Return folders of the same textures, crops of a red floor, and its paint."""
     for folder in (tmp_path / "found", tmp_path / "set"):
         folder.mkdir()
         for k, name in enumerate(NAMES):

@@ -12,7 +12,6 @@ NAMES = ("house.glb", "textures")
 
 @pytest.fixture
 def made(tmp_path):
-    """Return what a workflow made: a file, and a folder with Snakemake's stamp in it."""
     (tmp_path / "made" / "textures").mkdir(parents=True)
     (tmp_path / "made" / "house.glb").write_bytes(b"new")
     for name in ("a_floor.png", ".snakemake_timestamp"):

@@ -16,7 +16,6 @@ def pytest_collection_modifyitems(config, items):
 
 @pytest.fixture(scope="session")
 def slurm():
-    """A SLURM of one node that claims to have 8 cores and 16 GB."""
     if cluster.missing():
         pytest.skip(cluster.missing())
     if importlib.util.find_spec("snakemake_executor_plugin_slurm") is None:

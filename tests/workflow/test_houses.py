@@ -104,7 +104,6 @@ CASES = {
 
 
 def renamed(row, name, data):
-    """Return a copy of a demo house under another name, with files of its own."""
     copy = {"house": name, "split": "test", "plan": f"{name}/p.scene.json"}
     copy["assignment"] = f"{name}/a.csv"
     names = {photo: f"{name}_{photo}" for photo in photos_of(row)}

@@ -16,7 +16,6 @@ class Terminal(io.StringIO):
 
 
 def events(handler, *, seconds=2.5):
-    """Let a run of two jobs, one of a house, pass by."""
 
     def tell(created, level=logging.INFO, message="", **fields):
         record = logging.makeLogRecord({"levelno": level, "msg": message, **fields})

@@ -21,7 +21,6 @@ SEGMENTATION = MODELS / "segmentation.safetensors"
 
 
 def coloured_shots(house, room_id, *_, long_side, listed, **__):
-    """Yield a photo whose colour tells the kind of its room."""
     assert listed
     kind = KINDS.index(KIND_OF.get(house.room(room_id).types[0], KINDS[0]))
     image = np.full((long_side, long_side, 3), 60, np.uint8)

@@ -10,7 +10,6 @@ COLOURS = np.array([[200, 40, 40], [40, 160, 60], [60, 80, 190], [240, 240, 200]
 
 
 def _photo(seed=0, size=(60, 80)):
-    """Return a photo of four flat bands: ceiling, wall, a thing in it, floor."""
     labels = np.full(size, WALL, np.uint8)
     labels[:15], labels[45:] = CEILING, FLOOR
     labels[20:40, 30:50] = OTHER

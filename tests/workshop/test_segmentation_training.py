@@ -33,7 +33,6 @@ from plan2scene_workshop.segmentation.training import train_network
 
 
 def _striped(seed=0, size=(48, 64)):
-    """Return a photo whose labels can be told from colour: ceiling, wall, floor, a thing."""
     rng = np.random.default_rng(seed)
     labels = np.full(size, WALL, np.uint8)
     labels[: int(rng.integers(8, 16))] = CEILING

@@ -39,7 +39,6 @@ class Code:
 
 
 def released(path, state, **more):
-    """Write a file in the form of the authors' texture checkpoints."""
     stats = {"loss": np.float64(0.5), "epochs": [1, 2]}
     optimizer = dict(state={0: {"step": 3, "exp_avg": torch.zeros(2)}}, param_groups=[{"lr": 1e-4}])
     document = {"model_state_dict": state, "epoch": 3000, "stats": stats}

@@ -24,7 +24,6 @@ HOUSES = dict(home_train_0="train", home_val_0="val", home_test_0="test", home_t
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
-    """Return results of a run: one crop of the first photo's floor, wall and ceiling."""
     folder = tmp_path_factory.mktemp("results")
     png = png_bytes(np.full((128, 128, 3), 90, np.uint8))
     for house in HOUSES:
@@ -36,7 +35,6 @@ def results(tmp_path_factory):
 
 @pytest.fixture
 def source(tmp_path):
-    """Return a data set of four generated houses with three blank photos each."""
     root = tmp_path / "source"
     for house_id, split in HOUSES.items():
         house = generate_house(house_id, 4)

@@ -84,7 +84,6 @@ def test_an_observed_surface_without_visible_crop_is_a_fault(model):
 
 @pytest.fixture
 def results(tmp_path, model):
-    """Two houses, two methods, both drops, as the workflow lays them out."""
     for house, seed in (("h1", 0), ("h2", 50)):
         folder, frames = tmp_path / "houses" / house, []
         for method in METHODS:

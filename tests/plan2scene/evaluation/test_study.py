@@ -74,7 +74,6 @@ def test_houses_are_drawn_by_seed():
 
 @pytest.fixture
 def form(tmp_path):
-    """A form over two houses with pictures of one colour each."""
     folders = []
     for i, house in enumerate(HOUSES[:2]):
         folder = tmp_path / house

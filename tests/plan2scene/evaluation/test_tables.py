@@ -20,7 +20,6 @@ def _features(rng, dimension):
 
 
 def _house(folder, name, seed, dimension, surfaces=3, crops=5):
-    """Write the two tables of a house of random measurements; return their paths."""
     rng = np.random.default_rng(seed)
     keys = [(f"r{i}", "floor" if i % 2 else "wall") for i in range(surfaces)]
     rows = [
@@ -57,7 +56,6 @@ def _request(count):
 
 
 def _loaded(files, method, column, drop):
-    """Return a cell's figures with all houses held at once."""
     metrics = pd.concat([read_parquet(path)[0] for path in files[0]], ignore_index=True)
     parts = [read_parquet(path) for path in files[1]]
     references = pd.concat([frame.assign(house=meta["house"]) for frame, meta in parts])

@@ -24,13 +24,10 @@ def test_every_kind_tiles_and_has_a_metric_size(substance, kind):
         assert seam_ratio(material.albedo, 0) <= 1.3 and seam_ratio(material.albedo, 1) <= 1.3
 
 
-def test_same_seed_same_bytes_and_other_seed_other_material():
+def test_a_seed_tells_the_material_and_a_given_colour_its_mean():
     first, again = random_material("wood", 5), random_material("wood", 5)
     assert first.name == again.name and np.array_equal(first.albedo, again.albedo)
     assert random_material("wood", 6).name != first.name
-
-
-def test_a_given_colour_is_the_mean_colour_of_paint():
     paint = random_material("plaster", 3, kind="paint", colour_rgb=(200, 180, 160))
     assert np.allclose(paint.albedo.reshape(-1, 3).mean(0), (200, 180, 160), atol=3)
 

@@ -22,7 +22,6 @@ def baked(gap_house):
 
 
 def occlusion_at(baked, name, point):
-    """Return the light at a world point of a part, by its own texture coordinates."""
     parts, occlusion, image = baked
     part = parts[name]
     known = np.column_stack([part.mesh.vertices, np.ones(len(part.mesh.vertices))])

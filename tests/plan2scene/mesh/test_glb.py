@@ -66,15 +66,12 @@ def test_materials_and_samplers(l_house, paint, tmp_path):
     assert document["scenes"][0]["extras"]["rooms"][0]["types"] == ["Entrance", "Reception"]
 
 
-def test_equal_tiles_are_embedded_once(l_house, paint, tmp_path):
+def test_equal_tiles_are_embedded_once_and_surfaces_without_one_are_plain(l_house, paint, tmp_path):
     textures = paint(l_house)
     same = dict.fromkeys(textures, textures[SurfaceKey("hall", "floor")])
     write_glb(l_house, same, tmp_path / "house.glb")
     images = chunks(tmp_path / "house.glb")[0]["images"]
     assert [image["name"] for image in images] == ["hall_floor", "occlusion"]
-
-
-def test_without_textures_surfaces_are_plain(l_house, tmp_path):
     write_glb(l_house, {}, tmp_path / "house.glb")
     document, _ = chunks(tmp_path / "house.glb")
     assert "images" not in document

@@ -35,14 +35,11 @@ def leaf_colours(colour):
     return colours[~np.logical_or(*other)], door.mesh.area_faces[~np.logical_or(*other)]
 
 
-def test_a_wooden_leaf_has_upright_grain_of_its_colour():
+def test_a_wooden_leaf_has_upright_grain_of_its_colour_and_a_painted_one_panels():
     colours, areas = leaf_colours(OAK)
     assert len(np.unique(colours, axis=0)) > 50
     mean = np.average(srgb_to_linear(colours / 255.0), axis=0, weights=areas)
     assert mean == pytest.approx(srgb_to_linear(np.array(OAK, np.uint8)), rel=0.04)
-
-
-def test_a_painted_leaf_has_panels():
     colours, _ = leaf_colours(GREEN)
     assert len(np.unique(colours, axis=0)) == 2
 

@@ -40,14 +40,11 @@ def test_surfaces_have_their_area_and_face_their_room(name, request):
             assert np.abs((face.vertices[:, [0, 2]] - np.array(wall.start)) @ normal).max() < 1e-3
 
 
-def test_names_are_unique_and_complete(gap_house):
+def test_names_are_complete_and_a_door_drawn_once_is_cut_in_both_rooms(gap_house):
     names = [part.name for part in assemble(gap_house).parts]
     assert len(names) == len(set(names))
     assert {"a/door/ha", "a/threshold/ha", "structure/wall/a_w1"} <= set(names)
     assert "b/door/hb" not in names  # the other room's copy of the same door
-
-
-def test_a_door_drawn_once_is_cut_in_the_other_room_too(gap_house):
     walls = tuple(replace(w, openings=()) if w.id == "b_w3" else w for w in gap_house.walls)
     once = House("once", gap_house.rooms, walls, (Door("a", "ha", "b"),))
     assert parts_of(once)["b/wall/b_w3"].mesh.area == pytest.approx(4.0 * 2.5 - 0.8 * 2.0, rel=1e-3)

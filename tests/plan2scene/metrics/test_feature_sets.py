@@ -21,8 +21,6 @@ def test_equal_sets_have_distance_zero():
 
 
 class Given(torch.nn.Module):
-    """Takes (n, d) features as they are."""
-
     def __init__(self, dimension):
         super().__init__()
         self.num_features = dimension

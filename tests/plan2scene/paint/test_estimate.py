@@ -138,7 +138,7 @@ def test_light_is_what_the_paint_leaves_and_photos_of_one_room_share_it():
         assert estimate.light[name] == pytest.approx(light, rel=0.1)
 
 
-def test_exposure_of_all_photos_changes_no_paint():
+def test_exposure_and_order_of_photos_change_no_paint():
     paints = room("a", (0.2, 0.3, 0.5)) | room("b", (WHITE,) * 3)
     lights = {"1": (GREY, "a"), "2": (LAMP, "b")}
     bright = estimate_paint(observed(paints, lights))
@@ -146,6 +146,12 @@ def test_exposure_of_all_photos_changes_no_paint():
     assert bright.white == dim.white
     for key in paints:
         assert dim.paint[key] == pytest.approx(bright.paint[key], rel=0.12)
+    items = observed(room("a", (0.2, 0.3, 0.5)) | room("b", (WHITE,) * 3), {"1": (GREY, "ab")})
+    there, back = estimate_paint(items), estimate_paint(items[::-1])
+    assert there.white == back.white
+    for key in there.paint:
+        assert there.paint[key] == pytest.approx(back.paint[key], rel=1e-6)
+    assert not estimate_paint([]).paint
 
 
 def test_few_pixels_of_another_room_do_not_paint_a_wall():
@@ -199,18 +205,6 @@ def test_trim_is_of_wood_where_frames_of_windows_are(tmp_path, frame, trim):
     write_colours(path, shown, dataset="d", house_id="h")
     assert (trim_paint(path, {"p": np.ones(3)}) is not None) is trim
     assert not observations_of(path)
-
-
-def test_no_photo_no_paint():
-    assert not estimate_paint([]).paint
-
-
-def test_the_order_of_observations_does_not_matter():
-    items = observed(room("a", (0.2, 0.3, 0.5)) | room("b", (WHITE,) * 3), {"1": (GREY, "ab")})
-    there, back = estimate_paint(items), estimate_paint(items[::-1])
-    assert there.white == back.white
-    for key in there.paint:
-        assert there.paint[key] == pytest.approx(back.paint[key], rel=1e-6)
 
 
 def test_floors_of_one_material_have_one_paint():

@@ -11,7 +11,6 @@ GREY = np.full((4, 3, 3), 0.5)
 
 
 def shown(**seen):
-    """Return what is seen: place, grey linear value, photos."""
     colours, photos = np.zeros((4, 3, 3)), np.zeros((4, 3))
     for place, value, count in seen.values():
         colours[place], photos[place] = value, count

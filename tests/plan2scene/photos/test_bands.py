@@ -25,7 +25,6 @@ def wall(split, seed, *, left=0.0):
 
 
 def view(photo, split, *, left=0.0, scale=1.0):
-    """Return a view of the wall, in a photo that is not located where the scale is not known."""
     image, mask = wall(split, photo, left=left)
     mask[round((HEIGHT_M - split) * BANDS.px_per_m) - 8 :][:16, ::2] = False  # as masks do
     seen = list(read_step(image, mask, HEIGHT_M))

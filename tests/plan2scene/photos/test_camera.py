@@ -13,7 +13,6 @@ from plan2scene.photos.camera.lines import CAMERA
 
 
 def rotation_of(heading_deg, pitch_deg, roll_deg):
-    """World-to-camera rotation: heading about y, then pitch (down positive), then roll."""
     r = np.radians(roll_deg)
     bank = np.array([[np.cos(r), -np.sin(r), 0], [np.sin(r), np.cos(r), 0], [0, 0, 1]])
     upright = camera_looking((2, 2), heading_deg=heading_deg, pitch_deg=pitch_deg, focal=1.0)

@@ -22,7 +22,6 @@ DRAWN = replace(with_ceilings(box_house(), 2.8), heights=USUAL)
 
 
 def shots(height, rooms=("room",)):
-    """Photos of a room so high, from places that are not told."""
     true, every = with_ceilings(box_house(), height), {}
     for number, (heading, eye) in enumerate(VIEWS):
         camera = camera_looking(SIZE, heading_deg=heading, pitch_deg=4.0, focal=FOCAL)

@@ -58,7 +58,6 @@ def test_shadow_edges_and_things_of_another_colour_divide_a_crop():
 
 
 def planks(width=21, seed=3):
-    """A floor of upright planks, each of its own shade, with grain and dark joints."""
     rng = np.random.default_rng(seed)
     shade = np.repeat(rng.uniform(0.8, 1.1, 8), width)[:128]
     grain = cv2.GaussianBlur(rng.normal(0, 1, (128, 128)), (0, 0), sigmaX=1.0, sigmaY=9.0)

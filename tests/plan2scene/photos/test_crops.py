@@ -31,12 +31,10 @@ SIZE = (480, 640)
 
 
 def looking(pitch_deg=20.0, focal=520.0, turn_deg=0.0):
-    """A camera with its truth: pitch down, turned about the vertical."""
     return camera_looking(SIZE, heading_deg=turn_deg, pitch_deg=pitch_deg, focal=focal)
 
 
 def checkered_floor(camera, height=1.5, cell=0.25):
-    """A photo of a checkered floor (cells of `cell` m along x and z) and the floor's plane."""
     rays = camera.rays_at(*np.indices(SIZE))
     down = rays[..., 1] < -0.05
     point = rays * np.where(down, -height / np.where(down, rays[..., 1], -1.0), 0.0)[..., None]

@@ -104,7 +104,6 @@ def slanting(zigzag, seed, joint=0.2):
 
 
 def zigzags():
-    """Return herringbones and chevrons of sizes that are sold."""
     sizes = ((0.06, 0.3), (0.09, 0.45), (0.12, 0.6))
     return [Zigzag(kind, *size) for kind in ("herringbone", "chevron") for size in sizes] + [
         Zigzag("chevron", 0.09, 0.5, 60.0)

@@ -32,15 +32,12 @@ def test_every_pixel_lies_on_its_plane_and_in_its_room_whose_walls_are_named():
             np.testing.assert_allclose(off, 0.0, atol=0.2)
 
 
-def test_a_shut_door_and_a_pose_that_contradicts_the_mask_have_no_surface():
+def test_what_a_shut_door_hides_is_not_seen_and_a_photo_shows_its_room():
     house, pose, labels, ends = open_door_view()
     labels[ends[..., 0] > WIDE + 0.05] = DOOR
     assert {item.rooms[0] for item in seen_planes(labels, pose, room_shapes(house))} == {"room"}
     house, pose, labels, _ = open_door_view()
     assert seen_planes(labels[::-1].copy(), pose, room_shapes(house)) == []
-
-
-def test_a_photo_shows_the_room_that_it_was_taken_in():
     house, pose, labels, ends = open_door_view()
     shapes = room_shapes(house)
     assert shows_its_room(labels, pose, shapes)

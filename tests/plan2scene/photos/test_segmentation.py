@@ -51,7 +51,6 @@ def test_mirrored_answers_come_back_where_they_belong(monkeypatch):
 
 
 def _camera(up):
-    """Return a camera of 64 x 48 pixels that has `up` there, level in x or in z."""
     level = (1, 0, 0) if up[0] == 0 else (-up[1], up[0], 0)
     rotation = np.stack([level, up, np.cross(level, up)], 1)
     return Camera(64, 48, 40.0, 31.5, 23.5, tuple(map(tuple, rotation)), "config", 1.0, False)

@@ -32,7 +32,6 @@ def photographed(eye, heading_deg, points, looks):
 
 
 def turn_of(heading_deg):
-    """The quarter turns from the Manhattan frame of a photo to the plan."""
     true = camera_looking(SIZE, heading_deg=heading_deg, pitch_deg=4.0, focal=FOCAL)
     ahead, own = true.matrix[2], canonical(true.matrix)[2]
     return round((np.arctan2(ahead[0], ahead[2]) - np.arctan2(own[0], own[2])) / (np.pi / 2))

@@ -112,15 +112,12 @@ def test_a_name_fits_rooms_by_what_they_are_called_and_are(name, fits):
     assert fitting_rooms(replace(house, rooms=tuple(rooms)), name) == fits
 
 
-def test_two_bedrooms_are_two_photos_and_photos_of_one_thing_one_room():
+def test_photos_of_one_thing_are_of_one_room_and_others_sooner_of_another():
     told = {"a": PhotoEvidence(told=("bed_1",)), "b": PhotoEvidence(kinds=looks_like("Bedroom"))}
     apart, together = rooms_of(told), rooms_of(told, [("a", "b")])
     assert likely_room(home(), apart["b"]).room_id == "bed_2"
     assert likely_room(home(), together["b"]).room_id == "bed_1"
     assert together["b"]["bed_1"] > 0.7 > apart["b"]["bed_1"]
-
-
-def test_a_photo_that_shares_nothing_with_those_of_a_room_shows_sooner_another():
     told = {name: PhotoEvidence(told=("bed_1",)) for name in "abcd"}
     told |= {"e": PhotoEvidence(told=("bed_2",)), "f": PhotoEvidence(kinds=looks_like("Bedroom"))}
     apart, tied = rooms_of(told)["f"], rooms_of(told, [("a", "f")])["f"]

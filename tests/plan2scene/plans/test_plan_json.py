@@ -77,15 +77,12 @@ def test_house_of_one_room_with_a_shaft(tmp_path):
     assert len(house.walls) == 7 and house.adjacency() == ()
 
 
-def test_snap_tolerance(tmp_path):
+def test_an_opening_beside_its_wall_is_refused_and_one_over_its_end_is_cut(tmp_path):
     document = plan()
     document["openings"][1].update({"from": [0.3, 1], "to": [0.3, 2]})
     line = fault(tmp_path, document)
     expected = "a wall within 0.2 m of opening opening_1"
     assert line == f": expected {expected}, found the nearest at 0.30 m"
-
-
-def test_opening_over_the_end_is_cut_with_a_warning(tmp_path):
     document = plan()
     document["openings"][0].update({"from": [3.5, 3], "to": [4.2, 3]})
     house = read(tmp_path, document)

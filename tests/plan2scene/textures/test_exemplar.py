@@ -11,7 +11,6 @@ from plan2scene_workshop.texture.degradation import Degradation, degrade, window
 
 
 def grid(columns, rows, *, bond=0.0, size=128, seed=0):
-    """Tiles of a muted red with light joints, each a little different; repeats."""
     rng = np.random.default_rng(seed)
     y, x = (np.mgrid[:size, :size] + 0.5) / size
     row = np.floor(y * rows).astype(int)
@@ -60,15 +59,12 @@ def test_stripes_of_sun_on_few_crops_are_no_pattern_and_those_of_all_are_one():
     assert calm([plain, striped, striped]) == [plain, striped, striped]
 
 
-def test_poor_crops_make_no_exemplar():
+def test_poor_crops_make_no_exemplar_and_one_of_unknown_scale_is_enough():
     tile = grid(5, 5)
     assert make_exemplar([], size_px=128) is None
     assert make_exemplar([ExemplarCrop(tile, 1.0, 0.1)], size_px=128) is None
     burned = np.full((128, 128, 3), 255, np.uint8)
     assert make_exemplar([ExemplarCrop(burned, 1.0, 1.0)], size_px=128) is None
-
-
-def test_one_crop_of_unknown_scale_is_enough():
     noise = np.random.default_rng(1).normal(128, 20, (128, 128, 3))
     image = np.clip(noise + np.linspace(-30, 30, 128)[:, None, None], 0, 255).astype(np.uint8)
     made = make_exemplar([ExemplarCrop(image, float("nan"), float("nan"))], size_px=64)

@@ -8,7 +8,6 @@ from plan2scene.textures.exemplar.things import oddness
 
 
 def planks(seed, width=32):
-    """Planks along y, (128, 128, 3) uint8."""
     rng = np.random.default_rng(seed)
     fine = cv2.GaussianBlur(rng.normal(0, 1, (128, 128)), (0, 0), sigmaX=1.0, sigmaY=9.0)
     values = np.array((150, 120, 90)) * np.exp(1.0 * fine)[..., None]

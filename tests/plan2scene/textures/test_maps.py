@@ -26,7 +26,6 @@ def carpet(seed, side=SIDE):
 
 
 def slabs(seed, shift=0.0, count=4, side=SIDE):
-    """Dark joints around `count` square slabs a side, each of a grey of its own."""
     rng = np.random.default_rng(seed)
     place = (np.arange(side) + 0.5) / side * count + shift
     row, column = np.floor(place).astype(int), place % 1
@@ -139,8 +138,6 @@ def test_a_regular_tile_repeats_so_that_its_joints_stay_whole(gap_house):
 
 
 class _Known:
-    """What write_tiles asks of a surface."""
-
     observed, substance, material = True, "carpet", ""
 
     def __init__(self, key):

@@ -19,7 +19,6 @@ def plane(photo, room_id, surface, colour):
 
 @pytest.fixture
 def paint(tmp_path):
-    """A white room and a blue one in dim light."""
     light = np.array([0.35, 0.33, 0.3])
     planes = [
         plane("1.jpg", "a", "floor", (0.1, 0.06, 0.04)),
@@ -167,7 +166,6 @@ def test_an_unseen_bathroom_is_like_another_one(paint, tmp_path):
 
 
 def paint_table(folder, rows):
-    """Write paints as (room, surface, paint, whether white, photos); return the file."""
     columns = ["room_id", "surface", "paint", "white", "photos"]
     write_parquet(folder / "paint.parquet", pd.DataFrame(rows, columns=columns), {"house": "h"})
     return folder / "paint.parquet"

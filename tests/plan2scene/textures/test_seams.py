@@ -7,7 +7,6 @@ from plan2scene.textures.seams import make_seamless, with_calm_border, wrap_rati
 
 
 def _window(substance, seed, side=96):
-    """A part of a tile, at another phase, upsampled as photos are: it does not repeat."""
     tile = random_material(substance, seed, size_px=160).albedo
     part = np.roll(tile, np.random.default_rng(seed).integers(0, 160, 2), (0, 1))[:side, :side]
     return cv2.resize(part, (128, 128), interpolation=cv2.INTER_CUBIC)

@@ -36,7 +36,6 @@ PLAN = House(
 
 
 def _image(level, seed=0):
-    """Noise with a gradient, so that it does not tile."""
     noise = np.random.default_rng(seed).integers(-6, 7, (SIZE, SIZE, 1))
     ramp = np.linspace(-40, 40, SIZE)[None, :, None]
     return np.clip(level + noise + ramp + np.zeros((1, 1, 3)), 0, 255).astype(np.uint8)
@@ -203,7 +202,7 @@ def test_every_surface_gets_a_tile_the_same_again(files, method):
     assert not surfaces["bath/wall"]["observed"]
 
 
-def test_crop_writes_the_crop_itself_unless_told_to_correct_seams(files):
+def test_crop_writes_the_crop_itself_with_its_scale_or_the_surface_s(files):
     folder, surfaces = _make(files, "crop")
     assert np.array_equal(read_image(folder / "bed1_floor.png"), _image(100))
     assert not surfaces["bed1/floor"]["seam_corrected"]
@@ -211,9 +210,6 @@ def test_crop_writes_the_crop_itself_unless_told_to_correct_seams(files):
     assert entries["bed1/floor"]["seam_corrected"]
     before, after = (wrap_ratio(read_image(f / "bed1_floor.png")) for f in (folder, corrected))
     assert after < 1.3 < before
-
-
-def test_crop_without_scale_takes_the_surface_s(files):
     crops = pd.read_parquet(files / "crops.parquet").assign(metres=float("nan"))
     write_parquet(files / "crops.parquet", crops, {"house": "h1"})
     assert _make(files, "crop")[1]["bed1/floor"]["size_m"] == 0.8

@@ -13,13 +13,6 @@ def test_a_fault_of_the_input_is_one_line_and_exit_code_1(tmp_path, capsys):
     assert capsys.readouterr().err == f"ERROR {line}\n"
 
 
-def test_a_fault_of_ours_keeps_its_traceback(tmp_path):
-    log = tmp_path / "x.log"
-    with pytest.raises(ZeroDivisionError), job(log):
-        raise ZeroDivisionError
-    assert "Traceback" in log.read_text()
-
-
 def test_line_breaks_of_strangers_stay_one_line():
     text = str(InputError("x", "two\nlines\x1b[31m", file="a\nb"))
     assert "\n" not in text and "\x1b" not in text
@@ -33,9 +26,12 @@ def test_a_full_disk_is_one_line(tmp_path, capfd):
     assert capfd.readouterr().err.splitlines() == [line]
 
 
-def test_control_c_ends_a_job_without_a_word(tmp_path, capsys):
+def test_a_fault_of_ours_keeps_its_traceback_and_control_c_says_nothing(tmp_path, capsys):
     log = tmp_path / "x.log"
     with pytest.raises(SystemExit) as stop, job(log):
         raise KeyboardInterrupt
     assert stop.value.code == 130
     assert (log.read_text(), capsys.readouterr().err) == ("", "")
+    with pytest.raises(ZeroDivisionError), job(log):
+        raise ZeroDivisionError
+    assert "Traceback" in log.read_text()

@@ -19,7 +19,6 @@ def empty_page(tmp_path_factory):
 
 @pytest.fixture
 def drawing(browser, empty_page):
-    """Yield an empty editor; a fault of its program fails the test."""
     context = browser.new_context(viewport={"width": 1280, "height": 800}, accept_downloads=True)
     found = Drawing(context.new_page())
     found.page.goto(empty_page.as_uri())

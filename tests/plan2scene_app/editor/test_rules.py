@@ -31,7 +31,6 @@ def hole(kind, start, end, bottom=0.0, top=2.0, **more):
 
 
 def changed(path, value, example=EXAMPLE):
-    """Return an example with one value set (None: its key left out)."""
     document = copy.deepcopy(example)
     *way, last = path
     entry = document
@@ -140,7 +139,6 @@ PLANS = {
 
 
 def verdict(document, path):
-    """Return the reader's problems as (level, expected); of errors the first."""
     path.write_text(json.dumps(document))
     try:
         house = read_plan(path, "home")

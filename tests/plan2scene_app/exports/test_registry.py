@@ -42,10 +42,13 @@ def test_command_writes_what_the_registry_says_the_same_bytes_again(made, name):
     assert files_of(made / name) == first
 
 
-def test_unknown_form_is_refused(made):
+def test_an_unknown_form_and_a_folder_of_something_else_are_refused(made, tmp_path):
     with pytest.raises(InputError, match=f"expected one of {', '.join(exports())}, found 'fbx'"):
         export_house(made / "house.scene.json", made / "textures", made / "x", "fbx", house_id="h")
     assert not (made / "x").exists()
+    result = CliRunner().invoke(app, ["export", str(tmp_path), "--to", "map"])
+    assert isinstance(result.exception, InputError)
+    assert "no house.scene.json" in str(result.exception)
 
 
 @pytest.mark.parametrize(("name", "module"), [("usd", "pxr"), ("ifc", "ifcopenshell")])
@@ -53,12 +56,6 @@ def test_a_missing_package_is_named(made, monkeypatch, name, module):
     monkeypatch.setitem(sys.modules, module, None)
     with pytest.raises(InputError, match=r"-m pip install -e '/.*\[exports\]'"):
         export_house(made / "house.scene.json", made / "textures", made / "x", name, house_id="h")
-
-
-def test_a_folder_of_something_else_is_refused(tmp_path):
-    result = CliRunner().invoke(app, ["export", str(tmp_path), "--to", "map"])
-    assert isinstance(result.exception, InputError)
-    assert "no house.scene.json" in str(result.exception)
 
 
 @pytest.mark.parametrize("name", ["house.obj", "house_textures/mine.png", "house_textures/a/b"])

@@ -18,11 +18,13 @@ def area(piece):
     return shapely.MultiPoint(piece.vertices[:, [0, 2]]).convex_hull
 
 
-def test_pieces_are_closed_convex_and_look_outward(house):
+def test_pieces_are_closed_and_convex_and_a_hatch_has_no_pane(house, gap_house):
     solids = house_solids(house)
     assert len({solid.name for solid in solids}) == len(solids)
     for piece in (piece for solid in solids for piece in solid.pieces):
         assert piece.is_watertight and piece.is_convex and piece.volume > 0
+    hatch = with_openings(replace(gap_house, doors=()), kind="window", bottom=1.0)
+    assert {solid.category for solid in house_solids(hatch)}.isdisjoint({"window", "door"})
 
 
 def test_slabs_are_the_rooms(house):
@@ -65,8 +67,3 @@ def test_a_leaf_opens_into_its_room(request, name):
     moved = turn.apply(leaf.pieces[0].vertices - axis) + axis
     inside = shapely.Polygon(house.room(leaf.room_ids[0]).rings[0]).buffer(0.06)
     assert inside.contains(shapely.MultiPoint(moved[:, [0, 2]]).convex_hull)
-
-
-def test_a_hatch_between_rooms_has_no_pane(gap_house):
-    hatch = with_openings(replace(gap_house, doors=()), kind="window", bottom=1.0)
-    assert {solid.category for solid in house_solids(hatch)}.isdisjoint({"window", "door"})

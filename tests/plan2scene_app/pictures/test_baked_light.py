@@ -38,7 +38,6 @@ def light_of(house):
 
 
 def texels(light, name):
-    """Return what a part has of the light's image."""
     chart = light.charts[name]
     (rows, columns), (row, column) = chart.size, (chart.row, chart.column)
     return light.image[row : row + rows, column : column + columns]

@@ -48,7 +48,6 @@ def candidate(photo, surface, index, reason, crop_id):
 
 @pytest.fixture
 def case(tmp_path):
-    """One good photo (2 selected, 1 last resort, 3 rejected), a broken and a tiny one."""
     photos, masks = tmp_path / "photos", tmp_path / "masks"
     photos.mkdir()
     masks.mkdir()

@@ -64,10 +64,16 @@ def test_the_scale_is_read_from_written_sizes(tmp_path, written):
     assert len(found.rooms) == len(plan.rooms)
 
 
-def test_the_scale_is_read_from_the_page(tmp_path):
+def test_the_scale_is_read_from_the_page_and_transforms_are_followed(tmp_path):
     plan = drawn_flat(2)
     head = 'width="20m" viewBox="0 0 1000 1000"'
     assert_found(plan, read_plan(svg(tmp_path, elements(plan), head), "h1"), heights=False)
+    plan = drawn_flat(2)
+    turned = f'<g transform="rotate(90)">{elements(plan)}</g>'
+    inside = f'<g transform="translate(10 5) scale(2)">{turned}</g>'
+    found = read_plan(svg(tmp_path, inside), "h1", 0.5 / PIXELS)
+    areas = sorted(room_polygon(room).area for room in found.rooms)
+    assert areas == pytest.approx(sorted(area.area for _, _, area in plan.rooms), rel=0.005)
 
 
 @pytest.mark.parametrize("width", ["1.2.3m", ".m", "1e999m", "20km"])
@@ -75,15 +81,6 @@ def test_a_page_of_no_known_width_tells_no_scale(tmp_path, width):
     path = svg(tmp_path, SQUARE.format(""), f'width="{width}" viewBox="0 0 9 9"')
     with pytest.raises(InputError, match="metres_per_pixel up to 1"):
         read_plan(path, "h1")
-
-
-def test_transforms_are_followed(tmp_path):
-    plan = drawn_flat(2)
-    turned = f'<g transform="rotate(90)">{elements(plan)}</g>'
-    inside = f'<g transform="translate(10 5) scale(2)">{turned}</g>'
-    found = read_plan(svg(tmp_path, inside), "h1", 0.5 / PIXELS)
-    areas = sorted(room_polygon(room).area for room in found.rooms)
-    assert areas == pytest.approx(sorted(area.area for _, _, area in plan.rooms), rel=0.005)
 
 
 def test_the_storey_with_most_floor_is_read(tmp_path):

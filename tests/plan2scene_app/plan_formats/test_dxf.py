@@ -121,7 +121,6 @@ def test_round_trip_of_faces_alone(tmp_path, number):
 
 
 def nested(doc, plan):
-    """The drawing turned by 20 degrees, in a block in a block."""
     doc.blocks.new("plan")
     for entity in list(doc.modelspace()):
         doc.modelspace().move_to_layout(entity, doc.blocks.get("plan"))

@@ -15,7 +15,6 @@ def drawing(open_home, request):
 
 
 def made_house(drawing, folder):
-    """Make the house by its button; return the downloaded GLB as a trimesh scene."""
     page = drawing.page
     page.wait_for_function("() => !house.host.pending")
     page.click("#make")
@@ -30,7 +29,6 @@ def made_house(drawing, folder):
 
 
 def assert_is_the_plan(scene, house):
-    """Every room's floor has its area, and the house its extent."""
     for room in house.rooms:
         area = float(scene.geometry[f"{room.id}/floor"].area)
         assert area == pytest.approx(room_polygon(room).area, rel=0.01)

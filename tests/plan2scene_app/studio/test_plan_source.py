@@ -20,7 +20,6 @@ def project(tmp_path):
 
 
 def asked(project, content):
-    """Upload what can't be read yet; return the line and what may be given."""
     with pytest.raises(UnreadPlanError) as found:
         read_upload(project, content)
     return str(found.value), found.value.reading

@@ -158,7 +158,7 @@ def test_a_run_is_seen_and_cancelled_by_any_server(project, monkeypatch):
     assert not any(p.is_running() and p.status() != "zombie" for p in family)
 
 
-def test_a_bad_plan_is_one_clear_line_of_the_real_job(project):
+def test_a_bad_plan_or_a_record_of_another_form_is_a_failed_run(project):
     plan = json.loads(PLAN.read_text())
     plan["rooms"][0]["types"] = ["Ballroom"]
     project.save(state(project, plan=plan))
@@ -166,6 +166,9 @@ def test_a_bad_plan_is_one_clear_line_of_the_real_job(project):
     found = wait(project, "failed")
     assert "room living: expected a room type" in found["fault"]
     assert "'Ballroom'" in found["fault"] and found["stages"] == []
+    (project.path / "run.json").write_text("[]")
+    assert runs.status(project)["state"] == "failed"
+    runs.cancel(project)
 
 
 @pytest.mark.parametrize(
@@ -174,9 +177,3 @@ def test_a_bad_plan_is_one_clear_line_of_the_real_job(project):
 def test_settings_are_checked(given):
     with pytest.raises(InputError):
         runs.settings_of(given, 1)
-
-
-def test_a_record_of_another_form_is_a_failed_run(project):
-    (project.path / "run.json").write_text("[]")
-    assert runs.status(project)["state"] == "failed"
-    runs.cancel(project)

@@ -43,7 +43,6 @@ uvicorn.Server(uvicorn.Config(app, log_level="warning", ws="none")).run(sockets=
 
 @pytest.fixture
 def servers(tmp_path):
-    """Yield a function that starts a server for the homes of a folder: (process, asking)."""
     pytest.importorskip("uvicorn")
     pytest.importorskip("starlette")
     started = []
@@ -62,7 +61,6 @@ def servers(tmp_path):
 
 
 def state_when(ask, *states):
-    """Return the run once it is in one of these states and has told its stages."""
     for _ in range(400):
         found = ask("GET", "p/home/run")[1]
         if found["state"] in states and found["stages"]:

@@ -125,14 +125,11 @@ def test_chains_stand_in_the_middle_between_walls():
     assert chain_evidence(line("Hall", 175), walls, []) is None
 
 
-def test_without_text_doors_tell_and_it_is_a_guess():
+def test_doors_tell_the_scale_where_no_text_or_one_far_off_does():
     found = find_scale([], [42.0, 43.0, 40.0], [30000.0])
     assert found.metres_per_pixel == pytest.approx(0.85 / 42, rel=0.01)
     assert found.confidence < SETTINGS.sure and "guess" in found.source
     assert find_scale([], [], [30000.0]).confidence < 0.2
-
-
-def test_a_scale_far_from_what_doors_say_is_not_believed():
     evidence = room_evidence(room(4.0, 3.0, "1200 m2", "120 m2"))
     found = find_scale(evidence, [0.85 / TRUE] * 3, [30000.0])
     assert found.metres_per_pixel == pytest.approx(TRUE, rel=0.01)

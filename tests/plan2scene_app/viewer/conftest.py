@@ -26,7 +26,6 @@ def small_house():
 
 @pytest.fixture
 def small_glb(small_house, tmp_path):
-    """Return the GLB of that room: red and blue floor, green walls."""
     textures = {
         SurfaceKey("r", "floor"): TileTexture(checks((220, 20, 20), (20, 20, 220)), 1.0, True),
         SurfaceKey("r", "wall"): TileTexture(checks((10, 160, 10), (10, 90, 10)), 1.0, False),

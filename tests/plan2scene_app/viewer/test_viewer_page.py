@@ -49,20 +49,16 @@ def test_the_policy_knows_the_scripts_and_the_style_by_hash(page):
     assert rules["style-src"] == hashes(r"<style>(.*?)</style>") and "connect-src" not in rules
 
 
-def test_the_same_bytes_each_time(small_glb, tmp_path):
+def test_the_same_bytes_each_time_and_no_glb_is_refused(small_glb, tmp_path):
     for name in ("a", "b"):
         build_viewer(small_glb, tmp_path / name, house_id="x")
     assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
-
-
-def test_no_glb_is_refused(tmp_path):
     (tmp_path / "house.glb").write_bytes(b"PK\x03\x04")
     with pytest.raises(InputError, match=r"house\.glb.*expected a GLB file"):
         build_viewer(tmp_path / "house.glb", tmp_path / "viewer.html", house_id="x")
 
 
 def tables(tmp_path):
-    """Write three surfaces, a photo's crop, two cameras; return the paths."""
     rows = [
         ("r", "floor", True, "floor/a_0_crop0", 1.0),
         ("r", "wall", False, "propagated, like s", 0.61234567),

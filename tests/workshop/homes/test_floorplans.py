@@ -13,7 +13,6 @@ HOUSES = [generate_house(f"house_{k}", 3) for k in range(40)]
 
 
 def opening_segments(house):
-    """Return the world end points of each opening, once per wall that has it."""
     segments = defaultdict(list)
     for wall in house.walls:
         start = np.array(wall.start)
