@@ -4,7 +4,9 @@ import numpy as np
 from views import camera_looking
 
 from plan2scene.house import House, Opening, Room, Wall
+from plan2scene.photos.camera.calibration import canonical
 from plan2scene.photos.labels.palette import CEILING, DOOR, FLOOR, WALL, WINDOW
+from plan2scene.photos.locate.locate_photos import Shot
 from plan2scene.photos.locate.pose import Pose
 from plan2scene.plans.geometry import find_doors
 
@@ -58,6 +60,19 @@ def rendered(house, camera, eye):
             inside &= (points[..., 1] > hole.bottom) & (points[..., 1] < hole.top)
             labels[inside] = WINDOW if hole.kind == "window" else DOOR
     return labels
+
+
+#: Headings and eyes of photos that show most of the room.
+VIEWS = [(230.0, (0.6, 1.5, 2.9)), (60.0, (4.2, 1.3, 0.7)), (-80.0, (1.4, 1.6, 1.2))]
+VIEWS += [(140.0, (4.4, 1.4, 2.8)), (-120.0, (2.5, 1.2, 3.1))]
+
+
+def shot(house, heading_deg, eye, *, pitch_deg=6.0, fov_deg=78.0, rooms=("room",)):
+    """A photo from a known pose: (shot whose camera knows its frame only, true camera)."""
+    focal = SIZE[1] / 2 / np.tan(np.radians(fov_deg) / 2)
+    true = camera_looking(SIZE, heading_deg=heading_deg, pitch_deg=pitch_deg, focal=focal)
+    known = true.with_rotation(canonical(true.matrix))
+    return Shot(known, rendered(house, true, np.array(eye)), rooms), true
 
 
 DOOR_EYE = np.array([1.2, 1.5, 1.2])

@@ -16,7 +16,6 @@ AXE = Path(os.environ.get("GLTF_VALIDATOR_DIR", "none"), "node_modules/axe-core/
 
 @contextmanager
 def chromium(*options):
-    """Yield a browser, started with command line options."""
     if CHROMIUM is None:
         pytest.skip("no Chromium on PATH")
     with pytest.importorskip("playwright.sync_api").sync_playwright() as playwright:

@@ -7,7 +7,7 @@ import numpy as np
 PPM = 50
 
 
-def flat_picture() -> np.ndarray:
+def flat_picture():
     image = np.full((7 * PPM, 10 * PPM, 3), 255, np.uint8)
 
     def box(colour, *metres):

@@ -9,11 +9,10 @@ import re
 import struct
 import tempfile
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -32,7 +31,6 @@ from plan2scene.datasets.drops import read_unobserved
 from plan2scene.datasets.house_table import read_table
 from plan2scene.datasets.import_plan import add_object_boxes
 from plan2scene.errors import InputError
-from plan2scene.house import House
 from plan2scene.images import image_from_bytes
 from plan2scene.io import read_parquet, write_json, write_parquet
 from plan2scene.materials import load_texture_folder
@@ -73,7 +71,7 @@ def house():
     return read_plan(PLAN, "h1")
 
 
-def numbers(value: Any) -> Iterator[float]:
+def numbers(value):
     if isinstance(value, torch.Tensor):
         value = value.numpy()
     if isinstance(value, np.ndarray):
@@ -88,7 +86,7 @@ def numbers(value: Any) -> Iterator[float]:
         yield from (v for item in value for v in numbers(item))
 
 
-def read_any_plan(path: Path) -> House:
+def read_any_plan(path):
     """Return a plan; what holds must survive the round trip through scene.json.
 
     What no home has must be told: silent nonsense is worse than a fault.
@@ -110,20 +108,17 @@ def read_any_plan(path: Path) -> House:
     return found
 
 
-def own_plans() -> list[bytes]:
-    small = {
-        "format": "plan2scene-plan",
-        "version": 1,
-        "rooms": [{"id": "a", "types": ["Bedroom"], "polygon": [[0, 0], [4, 0], [4, 3], [0, 3]]}],
-    }
-    return [PLAN.read_bytes(), json.dumps(small).encode(), STOREYS.read_bytes()]
+def own_plans():
+    room = {"id": "a", "types": ["Bedroom"], "polygon": [[0, 0], [4, 0], [4, 3], [0, 3]]}
+    small = {"format": "plan2scene-plan", "version": 1, "rooms": [room]}
+    return [PLAN.read_bytes(), *as_json(small), STOREYS.read_bytes()]
 
 
-def scenes() -> list[bytes]:
-    return [json.dumps(house_to_scene(house())).encode()]
+def scenes():
+    return as_json(house_to_scene(house()))
 
 
-def raster_plans() -> list[bytes]:
+def raster_plans():
     rows = [f"{40 * i} 0 {40 * i} 80 wall 1 1" for i in range(4)]
     rows += [f"0 {40 * i} 120 {40 * i} wall 1 1" for i in range(3)]
     rows += ["40 10 40 30 door 1 1", "10 10 20 20 bedroom 1 1", "50 10 60 20 toilet 1 1"]
@@ -131,7 +126,7 @@ def raster_plans() -> list[bytes]:
     return ["\n".join(rows).encode(), "\n".join([*lines, "10 0 30 0 door 1 1"]).encode()]
 
 
-def drawings() -> list[bytes]:
+def drawings():
     """Return an SVG plan in CubiCasa's classes: a room of 4 x 3 m, its walls and a door."""
     boxes = {"Wall a": (-5, -5, 205, 5), "Wall b": (-5, 145, 205, 155), "Wall c": (-5, -5, 5, 155)}
     boxes |= {"Wall d": (195, -5, 205, 155), "Door Swing": (50, -5, 95, 5)}
@@ -144,7 +139,7 @@ def drawings() -> list[bytes]:
     return [f'<?xml version="1.0"?>{head}{"".join(parts)}</svg>'.encode()]
 
 
-def scans() -> list[bytes]:
+def scans():
     corners = [(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)]
     walls = []
     for (x0, z0), (x1, z1) in zip(corners, corners[1:] + corners[:1], strict=True):
@@ -157,18 +152,14 @@ def scans() -> list[bytes]:
     return [json.dumps(room | {"openings": [], "story": 0}).encode()]
 
 
-def homes() -> list[bytes]:
+def homes():
     points = [(0, 0), (400, 0), (400, 300), (0, 300)]
     inside = "".join(f'<point x="{x}" y="{y}"/>' for x, y in points)
     text = f'<home version="7000" name="h" wallHeight="250"><room id="r">{inside}</room></home>'
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("Home.xml", text)
-        archive.writestr("ContentDigests", "x")
-    return [buffer.getvalue()]
+    return [zipped({"Home.xml": text.encode(), "ContentDigests": b"x"})]
 
 
-def layouts() -> list[bytes]:
+def layouts():
     """Return a zind_data.json: a floor of a cleaned plan and one of a panorama."""
     ring = [[0, 0], [4, 0], [4, 3], [0, 3]]
     room = {"vertices": ring, "pins": [{"label": "bath"}], "doors": [[1, 0], [2, 0]]}
@@ -181,7 +172,7 @@ def layouts() -> list[bytes]:
     return [json.dumps({"scale_meters_per_coordinate": scales, **parts}).encode()]
 
 
-def models() -> list[bytes]:
+def models():
     from plan2scene_app.exports.ifc4 import write_ifc
 
     small = {**json.loads(own_plans()[1]), "openings": [DOOR]}
@@ -190,19 +181,19 @@ def models() -> list[bytes]:
         return [(Path(folder) / "house.ifc").read_bytes()]
 
 
-def parquets() -> list[bytes]:
+def parquets():
     rows = {"room": ["a", "b"] * 50, "x": np.arange(100.0), "image": [b"png"] * 100}
     with tempfile.TemporaryDirectory() as folder:
         write_parquet(Path(folder) / "x.parquet", pd.DataFrame(rows), {"house": "h1"})
         return [(Path(folder) / "x.parquet").read_bytes()]
 
 
-def configs() -> list[bytes]:
+def configs():
     config = shipped_config()
     return [json.dumps(config).encode(), yaml.safe_dump(config).encode()]
 
 
-def read_config(path: Path) -> object:
+def read_config(path):
     try:
         document = yaml.load(path.read_bytes(), Loader=yaml.CSafeLoader)
     except (yaml.YAMLError, ValueError, RecursionError):
@@ -212,52 +203,55 @@ def read_config(path: Path) -> object:
     return document if isinstance(document, dict) else None
 
 
-def pictures() -> list[bytes]:
+def saved(image, kind="PNG", **options):
+    buffer = io.BytesIO()
+    image.save(buffer, kind, **options)
+    return buffer.getvalue()
+
+
+def zipped(entries):
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in entries.items():
+            archive.writestr(name, content)
+    return buffer.getvalue()
+
+
+def as_json(value):
+    return [json.dumps(value).encode()]
+
+
+def pictures():
     image = Image.fromarray((np.arange(48 * 40 * 3) % 251).astype(np.uint8).reshape(40, 48, 3))
     exif = Image.Exif()
     exif[0x0112] = 6
     exif.get_ifd(0x8769)[0xA405] = 24
-    found = []
-    for kind, options in (
-        ("JPEG", {"exif": exif}),
-        ("PNG", {"exif": exif}),
-        ("GIF", {}),
-        ("WEBP", {"lossless": True}),
-        ("TIFF", {"compression": "tiff_lzw"}),
-        ("TIFF", {"exif": exif}),
-    ):
-        buffer = io.BytesIO()
-        image.save(buffer, kind, **options)
-        found.append(buffer.getvalue())
+    found = [saved(image, "JPEG", exif=exif), saved(image, exif=exif), saved(image, "GIF")]
+    found += [saved(image, "WEBP", lossless=True), saved(image, "TIFF", compression="tiff_lzw")]
+    found.append(saved(image, "TIFF", exif=exif))
     for mode in ("L", "RGBA", "P", "CMYK", "I;16", "1", "LA"):
-        buffer = io.BytesIO()
         other = Image.new(mode, (40, 40)) if mode == "I;16" else image.convert(mode)
-        other.save(buffer, "TIFF" if mode == "CMYK" else "PNG")
-        found.append(buffer.getvalue())
+        found.append(saved(other, "TIFF" if mode == "CMYK" else "PNG"))
     return found
 
 
-def masks() -> list[bytes]:
+def masks():
     labels = Image.fromarray((np.arange(1600) % 4).astype(np.uint8).reshape(40, 40))
-    buffer = io.BytesIO()
-    labels.save(buffer, "PNG")
-    return [buffer.getvalue(), *pictures()[6:9]]
+    return [saved(labels), *pictures()[6:9]]
 
 
-def crops() -> list[bytes]:
-    buffer = io.BytesIO()
-    Image.new("RGB", (128, 128), (9, 99, 199)).save(buffer, "PNG")
-    return [buffer.getvalue()]
+def crops():
+    return [saved(Image.new("RGB", (128, 128), (9, 99, 199)))]
 
 
-def read_picture(path: Path) -> object:
+def read_picture(path):
     image = read_photo(path)
     assert image.dtype == np.uint8 and image.shape[2:] == (3,) and max(image.shape) <= 1600
     image_from_bytes(path.read_bytes())
     return read_exif_focal(path, image.shape[:2])
 
 
-def read_crop(path: Path) -> None:
+def read_crop(path):
     folder = path.parent / "crops" / "wall"
     folder.mkdir(parents=True, exist_ok=True)
     path.replace(folder / "p_0_crop0.png")
@@ -266,30 +260,30 @@ def read_crop(path: Path) -> None:
     write_crops(made, out, dataset="d", house_id=house().id)
 
 
-def read_texture(path: Path) -> object:
+def read_texture(path):
     folder = path.parent / "library" / "wood"
     folder.mkdir(parents=True, exist_ok=True)
     path.replace(folder / "a.png")
     return load_texture_folder(folder.parent, size_px=64)
 
 
-def weights() -> list[bytes]:
+def weights():
     state = {name: torch.ones(shape) for name, shape in SHAPES.items()}
     header = {"format": "plan2scene", "architecture": json.dumps({"inputs": 3, "outputs": 2})}
     return [save(state, metadata=header), save(state)]
 
 
-def read_weights(path: Path) -> object:
+def read_weights(path):
     read_model_arrays(path)
     state, architecture = load_model_file(path)
 
-    def build(inputs: int, outputs: int) -> torch.nn.Module:
+    def build(inputs, outputs):
         return torch.nn.Linear(inputs, outputs)
 
     return dict(filled(lambda: build(**architecture), state, "a layer", path).state_dict())
 
 
-def checkpoints() -> list[bytes]:
+def checkpoints():
     found = []
     for legacy in (True, False):
         buffer = io.BytesIO()
@@ -300,7 +294,7 @@ def checkpoints() -> list[bytes]:
     return found
 
 
-def read_released(path: Path) -> object:
+def read_released(path):
     return fitted_state(state_dict_of(read_checkpoint(path), path), SHAPES, path)
 
 
@@ -333,13 +327,17 @@ LEFT = {
 RUN = {"state": "failed", "settings": {"method": "crop"}, "fault": "disk", "pid": 1, "born": 1.0}
 
 
-def read_run(path: Path) -> None:
+def read_studio(path):
+    return json.dumps(Project(path.parent).state())
+
+
+def read_run(path):
     found = status(Project(path.parent))
     assert isinstance(found["state"], str), found
     assert isinstance(found["settings"], dict), found
 
 
-def read_left(path: Path) -> object:
+def read_left(path):
     found = read_stage_json(path, path.stem)
     if path.stem == "cameras":
         read_poses(path)
@@ -352,6 +350,7 @@ def read_left(path: Path) -> object:
     return found
 
 
+ASSIGNMENTS = [b"room_id,photo\nliving,a.jpg\nhall,b.jpg\n", b'photo,"roomId",x\n"a.jpg",hall,1\n']
 TABLE = "house\tsplit\tplan\tassignment\tphotos\nh1\ttest\tp.json\ta.csv\ta.jpg|b.jpg\n"
 
 READERS = (
@@ -364,21 +363,10 @@ READERS = (
     Reader("zind_data.json", layouts, read_any_plan),
     Reader("plan.dxf", lambda: [dxf(20, "WALL")], read_any_plan),
     Reader("plan.ifc", models, read_any_plan),
-    Reader(
-        "boxes.json",
-        lambda: [json.dumps(BOXES).encode()],
-        lambda path: add_object_boxes(house(), path),
-    ),
-    Reader(
-        "table.csv",
-        lambda: [
-            b"room_id,photo\nliving,a.jpg\nhall,b.jpg\n",
-            b'photo,"roomId",x\n"a.jpg",hall,1\n',
-        ],
-        lambda path: read_assignment(path, house()),
-    ),
+    Reader("boxes.json", lambda: as_json(BOXES), lambda path: add_object_boxes(house(), path)),
+    Reader("table.csv", lambda: ASSIGNMENTS, lambda path: read_assignment(path, house())),
     Reader("houses.tsv", lambda: [TABLE.encode()], read_table),
-    Reader("unobserved_photos.json", lambda: [json.dumps(UNOBSERVED).encode()], read_unobserved),
+    Reader("unobserved_photos.json", lambda: as_json(UNOBSERVED), read_unobserved),
     Reader("config.yaml", configs, read_config),
     Reader("photo.jpg", pictures, read_picture),
     Reader("mask.png", masks, lambda path: labels_from_folder(path.parent, "mask.jpg", (40, 40))),
@@ -387,16 +375,9 @@ READERS = (
     Reader("crops.parquet", parquets, read_parquet),
     Reader("model.safetensors", weights, read_weights),
     Reader("checkpoint.pt", checkpoints, read_released),
-    Reader(
-        "studio.json",
-        lambda: [json.dumps({"photos": ["a.jpg"], "place": None}).encode()],
-        lambda path: json.dumps(Project(path.parent).state()),
-    ),
-    Reader("run.json", lambda: [json.dumps(RUN).encode()], read_run),
-    *(
-        Reader(f"{form}.json", lambda form=form: [json.dumps(LEFT[form]).encode()], read_left)
-        for form in FORMS
-    ),
+    Reader("studio.json", lambda: as_json({"photos": ["a.jpg"], "place": None}), read_studio),
+    Reader("run.json", lambda: as_json(RUN), read_run),
+    *(Reader(f"{f}.json", lambda f=f: as_json(LEFT[f]), read_left) for f in FORMS),
 )
 
 #: What tends to hurt readers of text, of bytes, and of JSON.
@@ -405,24 +386,15 @@ WORDS += [b"\t", b"\n", b"\r", b"\x00", b"\xff", b"\xef\xbb\xbf", b"../../x", b"
 WORDS += [b"{house}", b"\xe2\x80\xa8", b"\xed\xa0\x80", b"\\ud800", b"&a [*a]"]
 WORDS += [b"9" * 400, b"a" * 400, b"[" * 3000, b"!!python/object:os.system"]
 DIGITS = [b"0", b"-1", b"1e20", b"1e308", b"0.001", b"999999999", b"3.5", b"7", b"nan"]
-NUMBERS = [
-    struct.pack(f, v)
-    for f, v in (
-        ("<I", 0xFFFFFFFF),
-        (">I", 0x7FFFFFFF),
-        ("<H", 0xFFFF),
-        ("<Q", 2**63),
-        (">H", 0),
-        ("<I", 1 << 20),
-        ("<f", float("nan")),
-        ("<f", float("inf")),
-    )
-]
+NUMBERS = [struct.pack("<I", value) for value in (0xFFFFFFFF, 1 << 20)]
+NUMBERS += [struct.pack(">I", 0x7FFFFFFF), struct.pack("<Q", 2**63)]
+NUMBERS += [struct.pack("<H", 0xFFFF), struct.pack(">H", 0)]
+NUMBERS += [struct.pack("<f", float(value)) for value in ("nan", "inf")]
 VALUES = [None, True, 0, -1, 1e308, 10**400, 0.001, 1000, 2**63, "x", "", "..", "\ud800", "living"]
 VALUES += ["CON", "a" * 400, [], {}, [1], [[1]], {"a": 1}, [None] * 50]
 
 
-def places(value: Any) -> list[tuple[Any, Any]]:
+def places(value):
     """Return (container, key) of everything inside a JSON value."""
     keys = value if isinstance(value, dict) else range(len(value))
     found = []
@@ -433,7 +405,7 @@ def places(value: Any) -> list[tuple[Any, Any]]:
     return found
 
 
-def _other_values(draw: Callable, data: bytes) -> bytes:
+def _other_values(draw, data):
     document = json.loads(data)
     for _ in range(draw(st.integers(1, 3))):
         found = places(document)
@@ -452,7 +424,7 @@ def _other_values(draw: Callable, data: bytes) -> bytes:
     return json.dumps(document).encode()
 
 
-def _other_numbers(draw: Callable, data: bytes) -> bytes:
+def _other_numbers(draw, data):
     for _ in range(draw(st.integers(1, 3))):
         found = [match.span() for match in re.finditer(rb"-?\d+(?:\.\d*)?", data)]
         if not found:
@@ -462,35 +434,35 @@ def _other_numbers(draw: Callable, data: bytes) -> bytes:
     return data
 
 
-def _other_bytes(draw: Callable, data: bytes) -> bytes:
+def _other_bytes(draw, data):
     """Return bytes that are cut, changed, repeated or have odd words put in."""
     for _ in range(draw(st.integers(1, 4))):
         at = draw(st.integers(0, len(data)))
         end = min(len(data), at + draw(st.sampled_from([0, 1, 2, 4, 8, 60])))
         way = draw(st.integers(0, 5))
+        new, after = b"", data[end:]
         if way == 0:
-            data = data[:at]
-        elif way == 1:
-            data = data[:at] + data[end:]
+            after = b""
         elif way == 2:
-            data = data[:end] + data[at:end] * draw(st.sampled_from([1, 3, 500])) + data[end:]
+            new = data[at:end] * (1 + draw(st.sampled_from([1, 3, 500])))
         elif way == 3:
-            data = data[:at] + draw(st.sampled_from(WORDS)) + data[end:]
+            new = draw(st.sampled_from(WORDS))
         elif way == 4:
-            data = data[:at] + draw(st.sampled_from(NUMBERS)) + data[at + 4 :]
-        else:
-            data = data[:at] + draw(st.binary(max_size=8)) + data[end:]
+            new, after = draw(st.sampled_from(NUMBERS)), data[at + 4 :]
+        elif way == 5:
+            new = draw(st.binary(max_size=8))
+        data = data[:at] + new + after
     return data
 
 
 @cache
-def _examples(reader: Reader) -> list[bytes]:
+def _examples(reader):
     """Return a reader's examples, made once: a DXF holds the time at which it was written."""
     return reader.examples()
 
 
 @st.composite
-def foreign_bytes(draw: Callable, reader: Reader) -> bytes:
+def foreign_bytes(draw, reader):
     """Return what a stranger may hand over as a file of a reader's kind."""
     data = draw(st.sampled_from(_examples(reader)))
     way = draw(st.integers(0, 9))
@@ -503,17 +475,13 @@ def foreign_bytes(draw: Callable, reader: Reader) -> bytes:
             entries = {name: archive.read(name) for name in archive.namelist()}
         first = next(iter(entries))
         entries[first] = draw(st.sampled_from([_other_bytes, _other_numbers]))(draw, entries[first])
-        buffer = io.BytesIO()
-        with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
-            for name, content in entries.items():
-                archive.writestr(name, content)
-        return buffer.getvalue()
+        return zipped(entries)
     if way <= 4 and b"\x00" not in data:
         return _other_numbers(draw, data)
     return _other_bytes(draw, data)
 
 
-def outcome(reader: Reader, data: bytes, folder: Path) -> str:
+def outcome(reader, data, folder):
     """Return "read", "one line" or "unforeseen"; raise for anything else that a reader does.
 
     Unforeseen is one line that stands for an exception which the reader did not expect.

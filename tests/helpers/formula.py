@@ -14,7 +14,7 @@ EMBEDDING += [0.45098039507865906, 0.3482721745967865, 0.2519800364971161]
 LOGITS = [0.8494102358818054, -0.22475911676883698, -0.7282568216323853, -0.5147141814231873]
 
 
-def formula_state(module: torch.nn.Module) -> OrderedDict[str, torch.Tensor]:
+def formula_state(module):
     """Return tensors whose elements are an integer hash of their place in the sorted names."""
     mask, state = np.uint64(2**32 - 1), OrderedDict()
     for k, (name, value) in enumerate(sorted(module.state_dict().items())):
@@ -29,14 +29,13 @@ def formula_state(module: torch.nn.Module) -> OrderedDict[str, torch.Tensor]:
     return state
 
 
-def formula_model() -> TextureModel:
-    """Return the reference's texture model with such weights."""
+def formula_model():
     model = TextureModel(Architecture(periodic=False))
     model.load_state_dict(formula_state(model))
     return model.eval()
 
 
-def formula_crop() -> np.ndarray:
+def formula_crop():
     y, x = np.mgrid[:128, :128].astype(float)
     base = 0.5 + 0.25 * np.sin(2 * np.pi * (3 * x + 5 * np.sin(2 * np.pi * y / 128)) / 128)
     base += 0.1 * np.sin(2 * np.pi * 17 * y / 128)

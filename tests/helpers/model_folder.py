@@ -1,15 +1,11 @@
 """A folder of furniture models: coloured boxes."""
 
-from __future__ import annotations
-
-from pathlib import Path
-
 import trimesh
 
 HEADER = "file,class,width,depth,height,mount\n"
 
 
-def model_folder(folder: Path, count: int = 16) -> Path:
+def model_folder(folder, count=16):
     rows = []
     for k in range(count):
         box = trimesh.creation.box((0.6, 0.8, 0.5))

@@ -42,9 +42,8 @@ class Painted:
         self.folder = folder / "out"
         given = textures_of(folder / "t", tiles, **dict(entry))
         paint_textures(given, paint, self.folder, **options)
-        self.surfaces, self.maps = (
-            read_json(self.folder / f"{name}.json")["surfaces"] for name in ("textures", "maps")
-        )
+        files = (read_json(self.folder / f"{name}.json") for name in ("textures", "maps"))
+        self.surfaces, self.maps = (file["surfaces"] for file in files)
 
     def tile(self, name):
         return read_image(self.folder / f"{file_of(name)}.png")

@@ -3,18 +3,15 @@
 Layout: ``docs/rent3dpp.md``. Of the synthetic data set nothing is lost but its truth.
 """
 
-from __future__ import annotations
-
 import shutil
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from plan2scene.datasets.assignments import read_rows
-from plan2scene.datasets.house_table import TableRow, read_table
-from plan2scene.house import House, IconBox, PlacedObject, Room
+from plan2scene.datasets.house_table import read_table
+from plan2scene.house import IconBox, PlacedObject
 from plan2scene.io import atomic_path, read_json, read_parquet, write_json
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import room_polygon
@@ -33,9 +30,7 @@ ICONS = {
 _BOXED_SPLITS = ("test",)
 
 
-def write_rent3dpp_copy(
-    source: str | Path, target: str | Path, *, crops: str | Path | None = None
-) -> list[str]:
+def write_rent3dpp_copy(source, target, *, crops=None):
     """Write the houses of a data set (docs/conventions.md) as a Rent3D++ copy; return their names.
 
     `source` has ``houses.tsv`` and ``unobserved_photos.json``, `target` gets ``input/`` and
@@ -66,26 +61,26 @@ def write_rent3dpp_copy(
     return [name for members in names.values() for name in members]
 
 
-def drawn_icons(house: House) -> tuple[IconBox, ...]:
+def drawn_icons(house):
     """Return an icon for each room of a type of :data:`ICONS`, within the room's outline."""
     return tuple(
         _icon(room, *ICONS[kind]) for room in house.rooms for kind in room.types if kind in ICONS
     )
 
 
-def _icon(room: Room, kind: str, width: float, depth: float) -> IconBox:
+def _icon(room, kind, width, depth):
     middle = room_polygon(room).representative_point()
     low = (round(middle.x - width / 2, 3), round(middle.y - depth / 2, 3))
     return IconBox(kind, low, (round(middle.x + width / 2, 3), round(middle.y + depth / 2, 3)))
 
 
-def _model(index: int, icon: IconBox) -> PlacedObject:
+def _model(index, icon):
     matrix = np.eye(4)
     matrix[:3, 3] = [(icon.p1[0] + icon.p2[0]) / 2, 0.0, (icon.p1[1] + icon.p2[1]) / 2]
     return PlacedObject(f"synthetic.{icon.type}", index, -1, tuple(matrix.T.ravel().tolist()))
 
 
-def _write_boxes(path: Path, icons: Sequence[IconBox]) -> None:
+def _write_boxes(path, icons):
     objects = [
         {"type": icon.type, "bound_box": {"p1": list(icon.p1), "p2": list(icon.p2)}}
         for icon in icons
@@ -93,7 +88,7 @@ def _write_boxes(path: Path, icons: Sequence[IconBox]) -> None:
     write_json(path, {"objects": objects})
 
 
-def _copy_photos(source: Path, data: Path, row: TableRow, header: str) -> None:
+def _copy_photos(source, data, row, header):
     """Write the photo table of a house under the given head, and copy its photos."""
     (data / "photos").mkdir(parents=True, exist_ok=True)
     for name in row.photos:
@@ -107,7 +102,7 @@ def _copy_photos(source: Path, data: Path, row: TableRow, header: str) -> None:
         temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def _write_crops(table: Path, processed: Path) -> None:
+def _write_crops(table, processed):
     """Write the crops of a house as ``surface_crops/{surface}/{photo}_{mask}_crop{k}.png``."""
     frame, _ = read_parquet(table)
     for crop_id, data in zip(frame["crop_id"], frame["png"], strict=True):

@@ -14,7 +14,6 @@ from plan2scene.plans.formats import read_plan
 
 
 def walls_of(room, openings=None):
-    """Return a wall per edge of a room, with openings by wall index."""
     edges = [(p, ring[(k + 1) % len(ring)]) for ring in room.rings for k, p in enumerate(ring)]
     holes = [tuple((openings or {}).get(k, ())) for k in range(len(edges))]
     return tuple(

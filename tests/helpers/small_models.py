@@ -1,7 +1,6 @@
 """Untrained texture models, small enough to be made in a test."""
 
 from dataclasses import asdict
-from pathlib import Path
 
 import torch
 
@@ -9,14 +8,14 @@ from plan2scene.textures.model.texture_model import Architecture, TextureModel
 from plan2scene.weights import save_model_file
 
 
-def write_texture_model(path: Path, *, half: bool = True, **architecture: object) -> TextureModel:
+def write_texture_model(path, *, half=True, **architecture):
     """Write a model of width 4, Synth's by default; return it."""
     model = TextureModel(Architecture(width=4, **architecture))
     save_model_file(path, model.state_dict(), asdict(model.architecture), half=half)
     return model
 
 
-def write_texture_models(texture: Path, naive: Path) -> None:
+def write_texture_models(texture, naive):
     torch.manual_seed(0)
     write_texture_model(texture)
     write_texture_model(naive, delta_hsv=False, substances=0)

@@ -5,12 +5,7 @@ import numpy as np
 from plan2scene.metrics.feature_sets import SurfaceDistances
 
 
-def set_distances(
-    a: np.ndarray,
-    b: np.ndarray,
-    units_a: np.ndarray | None = None,
-    units_b: np.ndarray | None = None,
-) -> dict[str, float]:
+def set_distances(a, b, units_a=None, units_b=None):
     """Return FID and KID of features (n, d) and (m, d) of units; None: each is one of its own."""
     groups = []
     for features, units in ((a, units_a), (b, units_b)):

@@ -19,7 +19,6 @@ LAYERS = (
 
 
 def sources(package):
-    """Return a package's modules by dotted name."""
     found = {}
     for path in sorted(package.rglob("*.py")):
         parts = path.relative_to(package.parent).with_suffix("").parts
@@ -33,7 +32,6 @@ def imported_packages(path):
 
 
 def graph(package):
-    """Return who imports whom among a package's modules, inside functions too."""
     modules = sources(package)
     return {name: (imports(path) & modules.keys()) - {name} for name, path in modules.items()}
 
@@ -50,7 +48,6 @@ def between_packages(modules):
 
 
 def cycle(found):
-    """Return the members of a cycle; none where there is none."""
     try:
         TopologicalSorter(found).prepare()
     except CycleError as error:

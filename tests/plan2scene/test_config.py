@@ -76,7 +76,6 @@ def test_aliases_of_aliases_are_refused_at_once():
 
 
 def defaults(schema):
-    """Return the defaults of a schema by key, of those keys that have one."""
     found = {}
     for name, part in schema.get("properties", {}).items():
         value = part["default"] if "default" in part else defaults(part)

@@ -28,6 +28,10 @@ def folder(tmp_path, monkeypatch):
     assert (tmp_path / "secret.txt").read_text() == "secret"
 
 
+#: The same cases each time, however long one takes.
+SAME = settings(deadline=None, database=None, derandomize=True, suppress_health_check=HealthCheck)
+
+
 @pytest.mark.parametrize("name", BY_NAME)
 def test_whole_files_are_read(name, folder):
     reader = BY_NAME[name]
@@ -39,14 +43,7 @@ def test_damaged_files_are_read_or_one_line(name, folder):
     reader = BY_NAME[name]
     seen = []
 
-    @settings(
-        max_examples=CASES,
-        deadline=None,
-        database=None,
-        derandomize=True,
-        phases=[Phase.generate],
-        suppress_health_check=list(HealthCheck),
-    )
+    @settings(SAME, max_examples=CASES, phases=[Phase.generate])
     @given(foreign_bytes(reader))
     def check(data):
         seen.append(outcome(reader, data, folder))

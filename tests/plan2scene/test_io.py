@@ -23,13 +23,15 @@ def test_plain_names_are_joined(tmp_path):
     assert p2s_io.safe_join(tmp_path, "sub/x.jpg") == tmp_path / "sub" / "x.jpg"
 
 
-def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path):
+def test_a_failed_write_leaves_the_old_file_and_a_long_name_can_be_written(tmp_path):
     path = tmp_path / "x.txt"
     path.write_text("old")
     with pytest.raises(RuntimeError), p2s_io.atomic_path(path) as temporary:
         temporary.write_text("half")
         raise RuntimeError
     assert path.read_text() == "old" and list(tmp_path.iterdir()) == [path]
+    p2s_io.write_text(tmp_path / ("n" * 251 + ".txt"), "whole")
+    assert [p.read_text() for p in tmp_path.iterdir()] == ["whole"]
 
 
 def test_the_old_directory_stays_until_the_new_one_is_there(tmp_path):
@@ -76,11 +78,6 @@ def test_what_a_killed_process_left_goes_and_that_of_a_live_one_stays(tmp_path):
         with p2s_io.atomic_directory(f"{target}.d"):
             pass
         assert {p.name for p in tmp_path.iterdir()} == {"x.png", "x.png.d", mine.name}
-
-
-def test_a_name_of_the_longest_length_can_be_written(tmp_path):
-    p2s_io.write_text(tmp_path / ("n" * 251 + ".txt"), "whole")
-    assert [p.read_text() for p in tmp_path.iterdir()] == ["whole"]
 
 
 def test_parquet_round_trip_with_metadata(tmp_path):

@@ -4,7 +4,6 @@ import struct
 import subprocess
 import sys
 import zlib
-from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -97,9 +96,8 @@ def p3_profile():
             own[row] = np.array(struct.unpack_from(">3i", profile, offset + 8)) / 65536
             struct.pack_into(">3i", profile, offset + 8, *np.rint(P3[row] * 65536).astype(int))
         if name == b"desc":
-            profile[offset : offset + size] = profile[offset : offset + size].replace(
-                "sRGB".encode("utf-16-be"), "wide".encode("utf-16-be")
-            )
+            names = ("sRGB".encode("utf-16-be"), "wide".encode("utf-16-be"))
+        profile[offset : offset + size] = profile[offset : offset + size].replace(*names)
     return bytes(profile), own
 
 
@@ -127,7 +125,6 @@ def luma():
 
 
 def filled(picture, rows, columns, level):
-    """Return a picture with a part of one level."""
     picture = picture.copy()
     picture[rows, columns] = level
     return picture
@@ -178,7 +175,7 @@ def png_with(*extra):
 
 
 #: name: (bytes, expected pixels, largest error per channel)
-WORKS: dict[str, tuple[Callable[[], bytes], Callable[[], np.ndarray], int]] = {
+WORKS = {
     "rgb.png": (lambda: saved(rgb(), "PNG"), drawn, 0),
     "cmyk.tif": (lambda: saved(rgb().convert("CMYK"), "TIFF"), drawn, 0),
     "grey16.png": (lambda: grey16("PNG"), grey, 0),
@@ -248,7 +245,7 @@ def noise(form):
     return saved(Image.fromarray(values), form)
 
 
-FAILS: dict[str, tuple[Callable[[], bytes], str]] = {
+FAILS = {
     "cut.jpg": (lambda: cut(noise("JPEG"), 0.5), "truncated"),
     "cut.png": (lambda: cut(noise("PNG"), 0.5), "truncated"),
     "wrong_checksum_head.png": (lambda: wrong_checksum(b"IHDR"), "PNG"),
@@ -345,9 +342,8 @@ def bombs():
     whole = saved(rgb(), "JPEG", quality=90)
     place = whole.index(b"\xff\xc0")
     huge_jpeg = whole[: place + 5] + struct.pack(">HH", side, side) + whole[place + 9 :]
-    bmp = bytearray(saved(rgb(), "BMP"))
+    bmp, gif = (bytearray(saved(rgb(), form)) for form in ("BMP", "GIF"))
     struct.pack_into("<ii", bmp, 18, side, side)
-    gif = bytearray(saved(rgb(), "GIF"))
     struct.pack_into("<HH", gif, 6, side, side)
     tif = saved(rgb(), "TIFF")
     for tag in (256, 257):

@@ -91,9 +91,8 @@ with claimed_folder(Path({str(tmp_path)!r}), (), []) as folder:
 """
     subprocess.run([sys.executable, "-c", holds], check=False)
     with claimed_folder(tmp_path, NAMES, []):
-        assert [r.getMessage() for r in caplog.records] == [
-            f"{tmp_path}: what is left of a killed run ends first"
-        ]
+        (record,) = caplog.records
+    assert record.getMessage() == f"{tmp_path}: what is left of a killed run ends first"
 
 
 def test_a_killed_run_leaves_no_lock_of_snakemake(tmp_path):

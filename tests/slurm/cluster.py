@@ -4,8 +4,6 @@ munged, slurmctld and a slurmd for each node are started and taken down again. W
 programs of Debian's slurm-wlm; nothing outside the folder is touched.
 """
 
-from __future__ import annotations
-
 import os
 import secrets
 import shutil
@@ -14,7 +12,6 @@ import socket
 import subprocess
 import tempfile
 import time
-from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -61,7 +58,7 @@ NODE = (
 )
 
 
-def missing() -> str:
+def missing():
     """Return in a line why no SLURM can be started here; nothing where one can."""
     if os.geteuid() != 0:
         return "a SLURM on loopback wants root"
@@ -69,7 +66,7 @@ def missing() -> str:
     return f"not installed (Debian: slurm-wlm): {', '.join(absent)}" if absent else ""
 
 
-def free_ports(count: int) -> list[int]:
+def free_ports(count):
     with ExitStack() as opened:
         sockets = [opened.enter_context(socket.socket()) for _ in range(count)]
         for each in sockets:
@@ -85,7 +82,7 @@ class Cluster:
     daemons: dict[str, subprocess.Popen[bytes]] = field(default_factory=dict)
 
     @property
-    def environment(self) -> dict[str, str]:
+    def environment(self):
         """Return the environment of its users: which SLURM, and programs that keep to it.
 
         Job steps start without SLURM's variables, so ``srun`` is told by a script of that name.
@@ -94,7 +91,7 @@ class Cluster:
         clean = {k: v for k, v in os.environ.items() if not k.startswith(("SLURM_", "SBATCH_"))}
         return clean | {"SLURM_CONF": str(self.folder / "slurm.conf"), "PATH": path}
 
-    def start(self, name: str, *command: str) -> None:
+    def start(self, name, *command):
         """Start a daemon that ends with this process, in the foreground, its output in a log."""
         words = ("setpriv", "--pdeathsig", "TERM", *command)
         with (self.folder / f"{name}.log").open("ab") as log:
@@ -102,10 +99,10 @@ class Cluster:
                 words, env=self.environment, stdout=log, stderr=log, start_new_session=True
             )
 
-    def start_node(self, name: str) -> None:
+    def start_node(self, name):
         self.start(name, "slurmd", "-D", "-N", name)
 
-    def kill_node(self, name: str) -> None:
+    def kill_node(self, name):
         """Kill the daemon of a node and the jobs, as a machine that loses power."""
         self.daemons[name].kill()
         self.daemons.pop(name).wait()
@@ -119,13 +116,13 @@ class Cluster:
             if any(word.startswith(own) for word in words) and (step or node in words):
                 os.kill(int(process.name), signal.SIGKILL)
 
-    def ask(self, *command: str) -> str:
+    def ask(self, *command):
         done = subprocess.run(
             command, env=self.environment, capture_output=True, text=True, check=False
         )
         return done.stdout if done.returncode == 0 else ""
 
-    def wait_for(self, what: str, *command: str) -> None:
+    def wait_for(self, what, *command):
         """Wait until `what` is in the answer of a command."""
         end = time.monotonic() + PATIENCE
         while what not in self.ask(*command):
@@ -134,13 +131,13 @@ class Cluster:
                 raise TimeoutError(f"{' '.join(command)} never said {what!r}: {logs}")
             time.sleep(0.1)
 
-    def finished(self) -> list[dict[str, str]]:
+    def finished(self):
         """Return what SLURM notes of each job that ended: JobId, JobState, StartTime, EndTime."""
         path = self.folder / "finished.txt"
         lines = path.read_text().splitlines() if path.exists() else []
         return [dict(word.split("=", 1) for word in line.split() if "=" in word) for line in lines]
 
-    def stop(self) -> None:
+    def stop(self):
         end = time.monotonic() + 10
         while self.ask("squeue", "--noheader") and time.monotonic() < end:
             self.ask("scancel", "--quiet", "--user", "root")
@@ -154,7 +151,7 @@ class Cluster:
                 daemon.kill()
 
 
-def write_settings(folder: Path, nodes: int, cpus: int, memory: int, min_job_age: int) -> None:
+def write_settings(folder, nodes, cpus, memory, min_job_age):
     """Write key, configuration and the script `srun` of a cluster."""
     host, (port, *ports) = socket.gethostname(), free_ports(nodes + 1)
     lines = [
@@ -176,9 +173,7 @@ def write_settings(folder: Path, nodes: int, cpus: int, memory: int, min_job_age
 
 
 @contextmanager
-def cluster(
-    *, nodes: int = 1, cpus: int = 8, memory: int = 16000, min_job_age: int = 300
-) -> Iterator[Cluster]:
+def cluster(*, nodes=1, cpus=8, memory=16000, min_job_age=300):
     """Run a SLURM without accounting; a node claims to have `cpus` and `memory` (MB)."""
     with tempfile.TemporaryDirectory(prefix="slurm_", ignore_cleanup_errors=True) as name:
         folder = Path(name)

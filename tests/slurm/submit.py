@@ -5,16 +5,12 @@ import sys
 import textwrap
 from pathlib import Path
 
-from cluster import Cluster
-
 PROFILE = Path(__file__).parents[2] / "workflow" / "profiles" / "slurm"
 #: One file system, and jobs of seconds: looks at them soon, and waits for no NFS.
 QUICK = ("--slurm-init-seconds-before-status-checks", "5", "--latency-wait", "5")
 
 
-def submit(
-    slurm: Cluster, folder: Path, *arguments: str, **further: str
-) -> subprocess.CompletedProcess[str]:
+def submit(slurm, folder, *arguments, **further):
     """Run Snakemake in a folder with the profile; `further` are environment variables."""
     return subprocess.run(
         [sys.executable, "-m", "snakemake", "--profile", str(PROFILE), *QUICK, *arguments],
@@ -29,7 +25,7 @@ def submit(
     )
 
 
-def write_snakefile(folder: Path, text: str) -> Path:
+def write_snakefile(folder, text):
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "Snakefile").write_text(textwrap.dedent(text))
     return folder

@@ -19,7 +19,7 @@ class Clone:
 
     root: Path
 
-    def snakemake(self, *arguments: str, cores: int = 2) -> subprocess.CompletedProcess[str]:
+    def snakemake(self, *arguments, cores=2):
         """Run Snakemake in the copy, with the copy's library first on the path."""
         return subprocess.run(
             [sys.executable, "-m", "snakemake", "--cores", str(cores), *arguments],
@@ -31,7 +31,7 @@ class Clone:
             check=False,
         )
 
-    def jobs(self, *arguments: str) -> list[tuple[str, str]]:
+    def jobs(self, *arguments):
         """Return (rule, house or '') of every job that a dry run would do."""
         run = self.snakemake("--dry-run", *arguments)
         assert run.returncode == 0, run.stdout
@@ -43,12 +43,12 @@ class Clone:
                 jobs[-1] = (jobs[-1][0], line.split("house=")[1].split(",")[0].strip())
         return jobs
 
-    def houses(self) -> list[str]:
+    def houses(self):
         lines = (self.root / "data" / "houses.tsv").read_text().splitlines()[1:]
         return [line.split("\t")[0] for line in lines]
 
 
-def demo_rows() -> list[dict[str, str]]:
+def demo_rows():
     """Return the rows of the demo's house table, houses of few photos first."""
     lines = (DEMO / "houses.tsv").read_text().splitlines()
     header = lines[0].split("\t")
@@ -56,7 +56,7 @@ def demo_rows() -> list[dict[str, str]]:
     return sorted(rows, key=lambda row: (row["photos"].count("|"), row["house"]))
 
 
-def make_clone(root: Path, rows: list[dict[str, str]], **changes: object) -> Clone:
+def make_clone(root, rows, **changes):
     """Copy workflow and config to `root`, with those houses of the demo as its data set."""
     root.mkdir(parents=True, exist_ok=True)
     for name in ("workflow", "config", "envs", "src"):  # with what Python has compiled
@@ -81,11 +81,11 @@ def make_clone(root: Path, rows: list[dict[str, str]], **changes: object) -> Clo
     return Clone(root)
 
 
-def photos_of(row: dict[str, str]) -> list[str]:
+def photos_of(row):
     return [name for name in row["photos"].split("|") if name]
 
 
-def write_table(data: Path, rows: list[dict[str, str]]) -> None:
+def write_table(data, rows):
     columns = ["house", "split", "plan", "assignment", "photos"]
     lines = ["\t".join(columns), *("\t".join(row[c] for c in columns) for row in rows)]
     data.mkdir(parents=True, exist_ok=True)

@@ -7,20 +7,16 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
-from pathlib import Path
 
 import psutil
 
 
-def house_command(plan: Path, out: Path, *further: str) -> list[str]:
+def house_command(plan, out, *further):
     program = [sys.executable, "-c", "from plan2scene_app.cli import main; main()"]
     return [*program, "run", "--plan", str(plan), "--out", str(out), "--cores", "1", *further]
 
 
-def killed(
-    command: Sequence[str], after_s: float, alone: signal.Signals | None = None, **options: object
-) -> bool:
+def killed(command, after_s, alone=None, **options):
     """Start a command, kill its whole process group after some seconds; False if it was done.
 
     With `alone` the command's own process gets that signal, and no other one.
@@ -44,7 +40,7 @@ def killed(
     return False
 
 
-def finished(command: Sequence[str], **options: object) -> str:
+def finished(command, **options):
     run = subprocess.run(
         command, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, **options
     )
@@ -53,7 +49,7 @@ def finished(command: Sequence[str], **options: object) -> str:
     return run.stdout
 
 
-def orphans(folder: Path, within_s: float = 10.0) -> int:
+def orphans(folder, within_s=10.0):
     """Return how many processes that name a folder in their command line are left after a time."""
     until = time.monotonic() + within_s
     while True:
@@ -66,9 +62,7 @@ def orphans(folder: Path, within_s: float = 10.0) -> int:
         time.sleep(0.2)
 
 
-def kill_often(
-    command: Sequence[str], kills: int, longest_s: float, seed: int, **options: object
-) -> int:
+def kill_often(command, kills, longest_s, seed, **options):
     """Kill a command at random moments, then let it finish; return how many kills hit."""
     chance = random.Random(seed)
     hit = sum(killed(command, chance.uniform(0, longest_s), **options) for _ in range(kills))
@@ -76,7 +70,7 @@ def kill_often(
     return hit
 
 
-def digests(folder: Path, but: Sequence[str] = ()) -> dict[str, str]:
+def digests(folder, but=()):
     """Return the hash of every file of a folder, without those below some of its folders."""
     found = {}
     for path in sorted(folder.rglob("*")):
@@ -86,5 +80,5 @@ def digests(folder: Path, but: Sequence[str] = ()) -> dict[str, str]:
     return found
 
 
-def strays(folder: Path) -> list[str]:
+def strays(folder):
     return [path.name for path in folder.rglob(".tmp_*")]

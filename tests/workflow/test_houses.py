@@ -139,9 +139,8 @@ def unmeasured(path):
 
 @pytest.fixture(scope="module")
 def broken(tmp_path_factory, toy_site):
-    clone = make_clone(
-        tmp_path_factory.mktemp("broken") / "clone", [], floorplans={"metres_per_pixel": 0.02}
-    )
+    scale = {"metres_per_pixel": 0.02}
+    clone = make_clone(tmp_path_factory.mktemp("broken") / "clone", [], floorplans=scale)
     shutil.copytree(toy_site, clone.root / "src", dirs_exist_ok=True)
     data = clone.root / "data"
     drawn(data / "flat.jpg")
@@ -212,9 +211,8 @@ def test_a_plan_that_is_a_picture_is_traced_before_it_is_read(broken):
 
 def test_photos_tell_how_high_a_house_is_whose_plan_does_not(broken):
     folder = broken[0].root / HOUSES / "unmeasured"
-    drawn_as, made = (
-        read_scene_json(folder / name, "unmeasured") for name in ("drawn.scene.json", "scene.json")
-    )
+    names = ("drawn.scene.json", "scene.json")
+    drawn_as, made = (read_scene_json(folder / name, "unmeasured") for name in names)
     assert (drawn_as.heights, made.heights) == (USUAL, FROM_PHOTOS)
     true = read_plan(DEMO / GOOD["plan"], "unmeasured").rooms[0].height
     assert {room.height for room in drawn_as.rooms} == {2.8}

@@ -56,14 +56,9 @@ def test_one_command_makes_the_table(place):
     root = place.root.parent
     train, test = demo_rows()[:2]
     paths = {name: root / f"{name}.ckpt" for name in ("texture", "naivesynth", "propagation")}
-    run = place.snakemake(
-        TABLE,
-        *CONFIG,
-        f"dataset={{root: {root / 'copy'}}}",
-        "methods=[synth]",
-        "weights=official",
-        ("official={" + ", ".join((f"{name}: {path}" for name, path in paths.items())) + "}"),
-    )
+    official = ", ".join(f"{name}: {path}" for name, path in paths.items())
+    told = f"dataset={{root: {root / 'copy'}}}", "weights=official", f"official={{{official}}}"
+    run = place.snakemake(TABLE, *CONFIG, *told, "methods=[synth]")
     assert run.returncode == 0, run.stdout[-3000:]
     rows = list(csv.DictReader((place.root / TABLE).read_text().splitlines()))
     assert {row["method"] for row in rows} == {"synth"}

@@ -10,16 +10,9 @@ from plan2scene.datasets.house_table import read_table
 from plan2scene.metrics.substance_network import load_substance_network
 from plan2scene_app.tracing.segmenter import load_plan_segmenter
 
+SMALL = {"photos": [1, 1], "height": 32, "width": 32, "samples_per_pixel": 1, "tile_px": 32}
 TINY = {
-    "synthetic": {
-        "root": "data/tiny",
-        "houses": {"train": 1, "val": 0, "test": 0},
-        "photos": [1, 1],
-        "height": 32,
-        "width": 32,
-        "samples_per_pixel": 1,
-        "tile_px": 32,
-    },
+    "synthetic": SMALL | {"root": "data/tiny", "houses": {"train": 1, "val": 0, "test": 0}},
     "training": dict(
         materials={"procedural": 8, "held_out": 4},
         features={"steps": 2, "batch": 4, "held_out_crops": 8},

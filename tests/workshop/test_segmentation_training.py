@@ -31,6 +31,8 @@ from plan2scene_workshop.segmentation.data import (
 from plan2scene_workshop.segmentation.settings import SegmentationSettings
 from plan2scene_workshop.segmentation.training import train_network
 
+SHORT = SegmentationSettings(steps=1, batch=2, small=32, long_side=32)
+
 
 def _striped(seed=0, size=(48, 64)):
     rng = np.random.default_rng(seed)
@@ -57,9 +59,8 @@ def _tiny():
 
 
 def test_training_learns_what_colours_tell():
-    settings = SegmentationSettings(
-        batch=4, small=64, long_side=64, steps=30, learning_rate=1e-2, evaluate_every=15
-    )
+    sizes = dict(batch=4, small=64, long_side=64)
+    settings = SegmentationSettings(**sizes, steps=30, learning_rate=1e-2, evaluate_every=15)
     photos = [_striped(k) for k in range(12)]
     held_out = [_striped(k) for k in range(100, 104)]
     trained = train_network(_tiny(), photos, held_out, settings, seed=0)
@@ -79,12 +80,9 @@ def test_a_network_learns_its_teachers_averaged_answers_whatever_labels_say(tmp_
             network.head.bias[label] = 8.0 if label == CEILING else 4.0
         files.append(tmp_path / f"{label}.safetensors")
         save_model_file(files[-1], network.state_dict(), network.architecture)
-    settings = SegmentationSettings(
-        batch=2, small=32, long_side=32, steps=40, learning_rate=5e-2, evaluate_every=0
-    )
-    settings = dataclasses.replace(
-        settings, teachers=":".join(map(str, files)), distillation=1.0, ema_decay=0.5
-    )
+    settings = dataclasses.replace(SHORT, steps=40, learning_rate=5e-2, evaluate_every=0)
+    taught = dict(teachers=":".join(map(str, files)), distillation=1.0, ema_decay=0.5)
+    settings = dataclasses.replace(settings, **taught)
     trained = train_network(_tiny(), photos, photos[:1], settings, seed=0).network
     found = trained(torch.rand(1, 3, 64, 64)).softmax(dim=1).mean(dim=(0, 2, 3))
     wanted = torch.tensor([2.0, 0, 0, 4.0]).softmax(dim=0)
@@ -122,9 +120,7 @@ def test_a_trained_network_is_written_with_those_beside_it_and_goes_on_from_thei
     other = SegmentationNet(attention=2, elevation=True, labels=len(LABELS_AND_OPENINGS))
     other_file, model = tmp_path / "o.safetensors", tmp_path / "m.safetensors"
     save_model_file(other_file, other.state_dict(), other.architecture)
-    settings = SegmentationSettings(
-        steps=1, batch=2, small=32, long_side=32, temperature=1.0, beside=str(other_file)
-    )
+    settings = dataclasses.replace(SHORT, temperature=1.0, beside=str(other_file))
     card = tmp_path / "m.md"
     measured = runs.train_segmentation(tmp_path / "data", model, card, settings=settings, seed=0)
     text = card.read_text()
@@ -151,9 +147,7 @@ def test_a_network_of_imagenet_adds_to_one_of_the_ensemble_that_training_starts_
     ensemble = runs.ensemble_of(networks)
     start, model = tmp_path / "s.safetensors", tmp_path / "m.safetensors"
     save_model_file(start, ensemble.state_dict(), ensemble.architecture)
-    settings = SegmentationSettings(
-        steps=1, batch=2, small=32, long_side=32, temperature=1.0, imagenet=True, member=1
-    )
+    settings = dataclasses.replace(SHORT, temperature=1.0, imagenet=True, member=1)
     data, card = tmp_path / "data", tmp_path / "m.md"
     with pytest.raises(InputError, match="an ensemble, found null"):
         runs.train_segmentation(data, model, card, settings=settings, seed=0)

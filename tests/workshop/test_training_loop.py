@@ -33,9 +33,8 @@ def trainer(**changes):
 
 def same(first, second):
     states = first.network.state_dict(), second.network.state_dict()
-    return (first.step, first.score) == (second.step, second.score) and all(
-        torch.equal(value, states[1][name]) for name, value in states[0].items()
-    )
+    equal = all(torch.equal(value, states[1][name]) for name, value in states[0].items())
+    return equal and (first.step, first.score) == (second.step, second.score)
 
 
 def test_the_same_seed_gives_the_same_weights_and_another_does_not():

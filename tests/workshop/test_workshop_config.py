@@ -11,7 +11,6 @@ SCHEMA = json.loads((WORKSHOP / "schemas" / "config.schema.json").read_text())
 
 
 def merged(name):
-    """Return config.yaml with the keys of another file in it, one by one as Snakemake does."""
     config = yaml.safe_load((WORKSHOP / "config" / "config.yaml").read_text())
     update_config(config, yaml.safe_load((WORKSHOP / "config" / name).read_text()))
     return config

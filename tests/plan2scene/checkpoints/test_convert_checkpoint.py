@@ -85,19 +85,15 @@ def test_converted_texture_model_returns_the_reference_s_figures(official, check
 @pytest.mark.parametrize("form", ["lightning", "bare", "parallel", "old"])
 def test_other_forms_of_the_same_weights(official, tmp_path, form):
     state = official.state_dict()
+    document = {"model_state_dict": state}
     if form == "lightning":
-        more = {"hyper_parameters": {"lr": 1e-4}, "pytorch-lightning_version": "1.4.9"}
-        torch.save(
-            {"state_dict": {f"model.{k}": v for k, v in state.items()}} | more, tmp_path / "c"
-        )
+        document = {"hyper_parameters": {"lr": 1e-4}, "pytorch-lightning_version": "1.4.9"}
+        document["state_dict"] = {f"model.{k}": v for k, v in state.items()}
     elif form == "bare":
-        torch.save(state, tmp_path / "c")
+        document = state
     elif form == "parallel":
-        released(tmp_path / "c", {f"module.{k}": v.double() for k, v in state.items()})
-    else:
-        torch.save(
-            {"model_state_dict": state}, tmp_path / "c", _use_new_zipfile_serialization=False
-        )
+        document["model_state_dict"] = {f"module.{k}": v.double() for k, v in state.items()}
+    torch.save(document, tmp_path / "c", _use_new_zipfile_serialization=form != "old")
     convert_checkpoint("texture", tmp_path / "c", tmp_path / "o")
     found, architecture = load_model_file(tmp_path / "o")
     assert architecture["periodic"] is False and found.keys() == state.keys()
@@ -127,10 +123,9 @@ def test_classes_are_sorted_to_our_order(official, checkpoint, tmp_path):
     convert_checkpoint("texture", checkpoint, tmp_path / "o", substances=theirs)
     state, _ = load_model_file(tmp_path / "o")
     assert torch.equal(state["substance_layer.bias"], official.substance_layer.bias[[2, 3, 0, 1]])
+    theirs = ["wood", "wood", "carpet", "tile"]
     with pytest.raises(InputError, match="in some order, found wood, wood, carpet, tile"):
-        convert_checkpoint(
-            "texture", checkpoint, tmp_path / "o", substances=["wood", "wood", "carpet", "tile"]
-        )
+        convert_checkpoint("texture", checkpoint, tmp_path / "o", substances=theirs)
 
 
 def test_converted_propagation_is_the_network_that_was_given(means, tmp_path):

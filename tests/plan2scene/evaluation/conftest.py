@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -21,6 +23,7 @@ from plan2scene.textures.model.embedding import make_embeddings
 from plan2scene.weights import save_model_file
 
 SIZE = 128
+DOORWAY = Opening("", "door", 1.0, 1.9, 0.0, 2.0)
 
 
 #: Four rooms in a row; doors lead from bed to hall to bath, none to the loft.
@@ -28,15 +31,8 @@ PLAN = House(
     "h1",
     rooms_in_a_row(bed="Bedroom", hall="Corridor", bath="Bathroom", loft="Closet"),
     tuple(
-        Wall(
-            f"w{i}",
-            (a, b),
-            (x, 0.0),
-            (x, 3.0),
-            2.5,
-            openings=(Opening(f"d{i}", "door", 1.0, 1.9, 0.0, 2.0),),
-        )
-        for i, (a, b, x) in enumerate((("bed", "hall", 3.0), ("hall", "bath", 6.0)))
+        Wall(f"w{i}", rooms, (x, 0.0), (x, 3.0), 2.5, openings=(replace(DOORWAY, id=f"d{i}"),))
+        for i, (rooms, x) in enumerate(((("bed", "hall"), 3.0), (("hall", "bath"), 6.0)))
     ),
     (Door("bed", "d0", "hall"), Door("hall", "d1", "bath")),
 )
@@ -70,9 +66,8 @@ def models(tmp_path_factory):
         rng.uniform(size=(12, 3, 11)).astype(np.float32),
         rng.normal(size=(12, 3, 8)).astype(np.float32),
     )
-    save_propagation(
-        paths["propagation"], PropagationNetwork(16, 2).eval(), means, width=16, layers=2
-    )
+    network = PropagationNetwork(16, 2).eval()
+    save_propagation(paths["propagation"], network, means, width=16, layers=2)
     network = SubstanceNetwork((4, 6), feature_dim=6)
     save_model_file(paths["features"], network.state_dict(), network.architecture)
     return Models(**paths, substances=paths["features"])
@@ -84,19 +79,9 @@ def files(tmp_path_factory, models):
     names = ("scene.json", "crops.parquet", "library.parquet")
     made = HouseFiles("h1", *(root / name for name in names))
     write_scene_json(PLAN, made.scene)
-    rows = [
-        {
-            "crop_id": name,
-            "photo": photo,
-            "room_id": room,
-            "surface": surface,
-            "metres": 0.5,
-            "sharpness": 1.0,
-            "png": png_bytes(noise(i, level)),
-        }
-        for i, (name, photo, room, surface, level) in enumerate(CROPS)
-    ]
-    write_parquet(made.crops, pd.DataFrame(rows), {"house": "h1"})
+    crops = pd.DataFrame(CROPS, columns=["crop_id", "photo", "room_id", "surface", "level"])
+    crops["png"] = [png_bytes(noise(i, level)) for i, level in enumerate(crops.pop("level"))]
+    write_parquet(made.crops, crops.assign(metres=0.5, sharpness=1.0), {"house": "h1"})
     inputs = made.crops, root / "embeddings.parquet", models.texture, models.naivesynth
     make_embeddings(*inputs, house="h1", dataset="d", seed=0)
     write_library(made.library, folder=None, per_substance=2, seed=0, size_px=128)
@@ -133,16 +118,9 @@ def compare():
         made = {"models": house.models.decoders, "settings": house.settings}
         table_textures(house.files, drops, methods, folder, **made, **options)
         metrics = folder.with_suffix(".parquet")
-        measure_textures(
-            folder,
-            house.files.crops,
-            {drop: visible.hidden_photos for drop, visible in drops.items()},
-            methods,
-            metrics,
-            networks=house.models,
-            dataset=house.dataset,
-            house=house.files.house_id,
-        )
+        hidden = {drop: visible.hidden_photos for drop, visible in drops.items()}
+        told = dict(networks=house.models, dataset=house.dataset, house=house.files.house_id)
+        measure_textures(folder, house.files.crops, hidden, methods, metrics, **told)
         return metrics
 
     return compared

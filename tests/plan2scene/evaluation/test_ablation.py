@@ -6,9 +6,8 @@ def test_variants_change_only_the_surfaces_they_are_about(house, embeddings, tmp
     path = tmp_path_factory.mktemp("ablation") / "ablation.parquet"
     ablate_house(house, embeddings, path, hidden={"0.0": [], "0.6": ["p1.jpg", "p3.jpg"]})
     frame, _ = read_parquet(path)
-    colour = frame.pivot_table(
-        index=["drop", "room_id", "surface", "observed"], columns="method", values="tile"
-    )
+    index = ["drop", "room_id", "surface", "observed"]
+    colour = frame.pivot_table(index=index, columns="method", values="tile")
     assert set(colour.columns) == {variant.name for variant in VARIANTS}
     observed = colour[colour.index.get_level_values("observed")]
     for name in ("no_graph", "room_type_mean", "house_mean", "nearest_room"):

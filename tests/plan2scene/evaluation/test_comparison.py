@@ -48,15 +48,11 @@ def test_tiles_and_figures_are_those_of_the_stages(compared, tmp_path, method, d
     assert _files(tmp_path / "alone") == _files(folder / drop / method)
     entries = read_json(tmp_path / "alone" / "textures.json")["surfaces"]
     keys = {SurfaceKey(*name.rsplit("/", 1)): entry for name, entry in entries.items()}
-    again = measure_tiles(
-        {key: read_image(tmp_path / "alone" / f"{key.filename}.png") for key in keys},
-        {key for key, entry in keys.items() if entry["observed"]},
-        reference_images(read_parquet(house.files.crops)[0], HIDDEN[drop]),
-        house.models,
-        house_id="h1",
-        method=method,
-        drop=drop,
-    )
+    tiles = {key: read_image(tmp_path / "alone" / f"{key.filename}.png") for key in keys}
+    observed = {key for key, entry in keys.items() if entry["observed"]}
+    seen = reference_images(read_parquet(house.files.crops)[0], HIDDEN[drop])
+    told = {"house_id": "h1", "method": method, "drop": drop}
+    again = measure_tiles(tiles, observed, seen, house.models, **told)
     mine = frame[(frame["method"] == method) & (frame["drop"] == drop)]
     columns = ["room_id", "surface", "observed", "color", "freq", "tile", "subs"]
     assert mine[columns].values.tolist() == again[columns].values.tolist()

@@ -135,10 +135,8 @@ def test_table_counts_and_averages_the_right_surfaces(results):
     unobserved = frame[~frame["observed"]]
     assert cells["synth", "unobserved", "COLOR"] == pytest.approx(unobserved["color"].mean())
     assert cells["synth", "all", "TILE"] == pytest.approx(frame["tile"].mean())
-    references = [
-        read_parquet(results / "houses" / h / "reference_features.parquet")[0] for h in ("h1", "h2")
-    ]
-    walls = pd.concat(references).query("surface == 'wall'")
+    files = sorted(results.glob("houses/*/reference_features.parquet"))
+    walls = pd.concat([read_parquet(file)[0] for file in files]).query("surface == 'wall'")
     expected = set_distances(np.stack(unobserved["features"]), np.stack(walls["features"]))
     for name in ("FID", "KID"):
         assert cells["synth", "unobserved", name] == pytest.approx(expected[name], rel=1e-6)

@@ -31,17 +31,11 @@ def test_every_method_is_measured_at_every_drop(swept):
 
 
 def test_the_table_has_every_cell_and_a_plot(swept, references, tmp_path):
-    drops = list(HIDDEN)
+    drops, methods = list(HIDDEN), list(texture_methods())
+    request = TableRequest("d", ["h1", "h2"], methods, drop="", seed=0, drops=drops)
     for run in ("a", "b"):
-        sweep_table(
-            [swept],
-            [references],
-            tmp_path / f"{run}.csv",
-            tmp_path / f"{run}.png",
-            request=TableRequest(
-                "d", ["h1", "h2"], list(texture_methods()), drop="", seed=0, drops=drops
-            ),
-        )
+        files = [swept], [references], tmp_path / f"{run}.csv", tmp_path / f"{run}.png"
+        sweep_table(*files, request=request)
     assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
     rows = list(csv.DictReader((tmp_path / "a.csv").open()))

@@ -56,13 +56,20 @@ def test_floors_and_ceilings_lie_at_their_level_open_over_the_stairs(house, part
     assert parts["landing/ceiling"].mesh.area == pytest.approx(2.4 * 6 + 2.2)
 
 
-def test_steps_reach_from_one_floor_to_the_next(parts):
+def test_steps_reach_the_next_floor_and_a_railing_stands_around_their_well(parts):
     stairs = parts["hall/stairs/stairs"]
     assert stairs.extras["leads_to"] == "landing"
     low, high = stairs.mesh.bounds
     assert (low[1], high[1]) == pytest.approx((0.0, 2.8))
     tops = np.unique(np.round(stairs.mesh.vertices[stairs.mesh.vertex_normals[:, 1] > 0.9, 1], 4))
     assert len(tops) == 15 and np.diff(tops) == pytest.approx(2.8 / 15, abs=1e-3)
+    vertices = parts["landing/railing/stairs"].mesh.vertices
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    assert (low[1], high[1]) == pytest.approx((2.8, 2.8 + 1.05))
+    assert high[[0, 2]] == pytest.approx([0.9, 4.6], abs=0.005)
+    at_head = (vertices[:, 2] < 1.05) & (vertices[:, 0] < 0.8)
+    at_wall = vertices[:, 0] < 0.09
+    assert not at_head.any() and not at_wall.any()
 
 
 @pytest.mark.parametrize(("seen", "covered"), [("landing", RED), ("hall", GREY), ("", RED)])
@@ -87,16 +94,6 @@ def test_one_sees_up_through_the_well_and_nowhere_else(parts):
     assert rays.distances(np.array([steps]), up)[0] == pytest.approx(2.8 + 2.5 - 2.81, abs=1e-3)
     assert rays.distances(np.array([[1.8, 1.0, 3.0]]), up)[0] == pytest.approx(1.5, abs=1e-3)
     assert rays.distances(np.array([[0.45, 1.0, 4.4]]), up)[0] == pytest.approx(5.3 - 1.0, abs=1e-3)
-
-
-def test_a_railing_stands_around_the_well_but_at_its_head_and_the_wall(parts):
-    vertices = parts["landing/railing/stairs"].mesh.vertices
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
-    assert (low[1], high[1]) == pytest.approx((2.8, 2.8 + 1.05))
-    assert high[[0, 2]] == pytest.approx([0.9, 4.6], abs=0.005)
-    at_head = (vertices[:, 2] < 1.05) & (vertices[:, 0] < 0.8)
-    at_wall = vertices[:, 0] < 0.09
-    assert not at_head.any() and not at_wall.any()
 
 
 def test_walls_below_rooms_go_on_to_their_floor(parts):

@@ -39,7 +39,7 @@ def test_glare_and_the_red_shadow_of_a_sofa_do_not_tint_a_floor():
     assert found / found[1] == pytest.approx([1.0, 1.0, 1.1])
 
 
-def test_a_surface_well_seen_keeps_its_colour_and_a_glimpse_follows_the_house():
+def test_a_surface_well_seen_keeps_its_colour_and_one_unseen_follows_the_house():
     others = {f"c{k}": ((k, 2), 0.4, 4.0) for k in range(3)}
     well = expected_colours(shown(**others, mine=((3, 2), 0.1, 30.0)), GREY)
     assert well[3, 2] == pytest.approx(linear_to_srgb(np.full(3, 0.1)), abs=0.03)
@@ -47,9 +47,6 @@ def test_a_surface_well_seen_keeps_its_colour_and_a_glimpse_follows_the_house():
     assert glimpse[3, 2] == pytest.approx(linear_to_srgb(np.full(3, 0.4)), abs=0.05)
     unseen = expected_colours(shown(**others), GREY)
     assert unseen[3, 2] == pytest.approx(linear_to_srgb(np.full(3, 0.4)), abs=0.02)
-
-
-def test_as_if_unseen_is_what_is_expected_without_it():
     seen = {"a": ((0, 0), 0.1, 2.0), "b": ((1, 0), 0.3, 1.0), "c": ((1, 1), 0.5, 3.0)}
     every = shown(**seen)
     out = expected_colours(every, GREY, as_if_unseen=True)

@@ -32,14 +32,11 @@ def view(photo, split, *, left=0.0, scale=1.0):
     return WallView(f"{photo}.jpg", "bath", f"wall/{photo}_0", 1.5, scale == 1.0, *seen)
 
 
-def test_bands_part_where_several_photos_show_it():
+def test_bands_part_where_photos_show_it_and_up_to_a_doors_head_only_in_a_bath():
     found = find_bands([view(1, 1.2), view(2, 1.25), view(3, 1.2), view(4, 1.2, scale=0.8)])["bath"]
     assert found.split_m == pytest.approx(1.215, abs=0.04)
     assert found.lower / found.upper == pytest.approx(TILES / PAINT, rel=0.15)
     assert set(found.planes) == {f"wall/{k}_0" for k in range(1, 5)}
-
-
-def test_only_tiles_of_a_bath_reach_up_to_a_doors_head():
     views = [view(k, 1.9) for k in range(1, 4)]
     assert find_bands(views) == {}
     assert find_bands(views, {"bath"})["bath"].split_m == pytest.approx(1.9, abs=0.05)

@@ -1,33 +1,18 @@
 from dataclasses import replace
 
-import numpy as np
 import pytest
-from box_room import SIZE, box_house, rendered
+from box_room import VIEWS, box_house, shot
 from masks_folder import write_masks
-from views import camera_looking
 
 from plan2scene.house import FROM_PHOTOS, USUAL
-from plan2scene.photos.camera.calibration import canonical
-from plan2scene.photos.locate.locate_photos import Shot
 from plan2scene_app.heights.ceilings import ceiling_height, measure_ceilings, with_ceilings
 
-VIEWS = [
-    (230.0, (0.6, 1.5, 2.9)),
-    (60.0, (4.2, 1.3, 0.7)),
-    (-80.0, (1.4, 1.6, 1.2)),
-    (140.0, (4.4, 1.4, 2.8)),
-]
-FOCAL = SIZE[1] / 2 / np.tan(np.radians(90.0) / 2)
 DRAWN = replace(with_ceilings(box_house(), 2.8), heights=USUAL)
 
 
 def shots(height, rooms=("room",)):
-    true, every = with_ceilings(box_house(), height), {}
-    for number, (heading, eye) in enumerate(VIEWS):
-        camera = camera_looking(SIZE, heading_deg=heading, pitch_deg=4.0, focal=FOCAL)
-        labels = rendered(true, camera, np.array(eye))
-        every[f"{number}.jpg"] = Shot(camera.with_rotation(canonical(camera.matrix)), labels, rooms)
-    return every
+    true, lens = with_ceilings(box_house(), height), dict(pitch_deg=4.0, fov_deg=90.0, rooms=rooms)
+    return {f"{k}.jpg": shot(true, *view, **lens)[0] for k, view in enumerate(VIEWS[:4])}
 
 
 @pytest.mark.parametrize("height", [2.3, 2.5, 2.75, 3.1])

@@ -2,15 +2,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from box_room import HEIGHT, SIZE, WIDE, box_house, open_door_view, rendered
+from box_room import HEIGHT, SIZE, VIEWS, WIDE, box_house, open_door_view, shot
 from masks_folder import write_masks
-from views import camera_looking
 
 from plan2scene.datasets.assignments import PhotoAssignment, read_assignment
 from plan2scene.errors import InputError
 from plan2scene.house import Opening, Wall
 from plan2scene.io import read_json, write_json
-from plan2scene.photos.camera.calibration import canonical
 from plan2scene.photos.labels import palette
 from plan2scene.photos.locate.likelihood import agreement, log_table, make_profile
 from plan2scene.photos.locate.locate_photos import (
@@ -22,23 +20,6 @@ from plan2scene.photos.locate.locate_photos import (
 from plan2scene.photos.locate.locate_settings import LOCATE
 from plan2scene.photos.locate.plan_view import look, room_shapes
 from plan2scene.photos.locate.pose import Pose, pose_from_json, pose_to_json, read_poses, turned
-
-
-def shot(house, heading_deg, eye, *, pitch_deg=6.0):
-    """A photo from a known pose: (shot whose camera knows its frame only, true camera)."""
-    focal = SIZE[1] / 2 / np.tan(np.radians(78.0) / 2)
-    true = camera_looking(SIZE, heading_deg=heading_deg, pitch_deg=pitch_deg, focal=focal)
-    known = true.with_rotation(canonical(true.matrix))
-    return Shot(known, rendered(house, true, np.array(eye)), ("room",)), true
-
-
-VIEWS = [
-    (230.0, (0.6, 1.5, 2.9)),
-    (60.0, (4.2, 1.3, 0.7)),
-    (-80.0, (1.4, 1.6, 1.2)),
-    (140.0, (4.4, 1.4, 2.8)),
-    (-120.0, (2.5, 1.2, 3.1)),
-]
 
 
 @pytest.mark.parametrize(("heading_deg", "eye"), VIEWS)

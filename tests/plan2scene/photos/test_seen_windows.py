@@ -1,14 +1,11 @@
 from dataclasses import replace
 
-import numpy as np
 import pytest
-from box_room import SIZE, box_house, rendered
+from box_room import box_house, shot
 from sample_houses import with_openings
-from views import camera_looking
 
-from plan2scene.photos.camera.calibration import canonical
 from plan2scene.photos.labels.palette import WALL, WINDOW
-from plan2scene.photos.locate.locate_photos import Shot, locate_shots
+from plan2scene.photos.locate.locate_photos import locate_shots
 from plan2scene.photos.locate.plan_view import UNDRAWN, room_shapes, searched_shapes
 from plan2scene.plans.usual_windows import guesses_windows, with_usual_windows
 from plan2scene_app.heights.seen_windows import with_seen_windows
@@ -21,7 +18,6 @@ VIEWS = [
     (125.0, (4.3, 1.5, 2.9)),
     (-70.0, (1.0, 1.5, 2.9)),
 ]
-FOCAL = SIZE[1] / 2 / np.tan(np.radians(80.0) / 2)
 
 
 def undrawn():
@@ -34,12 +30,10 @@ def undrawn():
 
 def shots(house, *, shown=True):
     found = {}
-    for number, (heading, eye) in enumerate(VIEWS):
-        camera = camera_looking(SIZE, heading_deg=heading, pitch_deg=3.0, focal=FOCAL)
-        labels = rendered(house, camera, np.array(eye))
-        labels[(labels == WINDOW) & (not shown)] = WALL
-        frame = camera.with_rotation(canonical(camera.matrix))
-        found[f"{number}.jpg"] = Shot(frame, labels, ("room",))
+    for number, view in enumerate(VIEWS):
+        photo, _ = shot(house, *view, pitch_deg=3.0, fov_deg=80.0)
+        photo.labels[(photo.labels == WINDOW) & (not shown)] = WALL
+        found[f"{number}.jpg"] = photo
     return found
 
 

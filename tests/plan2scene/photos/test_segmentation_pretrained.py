@@ -51,14 +51,8 @@ def test_unclear_keys_are_one_line(keys, words):
 def _tiny_segformer(folder, classes=150, **options):
     transformers = pytest.importorskip("transformers")
     torch.manual_seed(0)
-    config = transformers.SegformerConfig(
-        num_labels=classes,
-        hidden_sizes=[8, 8, 8, 8],
-        depths=[1, 1, 1, 1],
-        num_attention_heads=[1, 1, 1, 1],
-        decoder_hidden_size=8,
-        **options,
-    )
+    options |= dict(hidden_sizes=[8] * 4, depths=[1] * 4, num_attention_heads=[1] * 4)
+    config = transformers.SegformerConfig(num_labels=classes, decoder_hidden_size=8, **options)
     transformers.SegformerForSemanticSegmentation(config).save_pretrained(folder)
     return Checkpoint(str(folder))
 

@@ -36,33 +36,29 @@ def looks_like(kind, sure=0.9):
     return kinds
 
 
+BEDROOM = PhotoEvidence(kinds=looks_like("Bedroom"))
+
+
 def rooms_of(photos, tied=(), alike=None):
     return room_probabilities(home(), photos, tied, alike or {})
 
 
 def test_what_a_room_is_used_for_and_its_name_tell_it():
-    found = rooms_of(
-        {
-            "a": PhotoEvidence(kinds=looks_like("Kitchen")),
-            "b": PhotoEvidence(named={"bath": 1.0}),
-            "c": PhotoEvidence(told=("bed_2",)),
-            "d": PhotoEvidence(),
-            "e": PhotoEvidence(kinds=np.zeros(len(KINDS)), scores={"bed_1": 9.0}),
-        }
-    )
+    kitchen = PhotoEvidence(kinds=looks_like("Kitchen"))
+    photos = {"a": kitchen, "b": PhotoEvidence(named={"bath": 1.0}), "d": PhotoEvidence()}
+    nowhere = PhotoEvidence(kinds=np.zeros(len(KINDS)), scores={"bed_1": 9.0})
+    found = rooms_of(photos | {"c": PhotoEvidence(told=("bed_2",)), "e": nowhere})
     likely = {name: likely_room(home(), rooms) for name, rooms in found.items()}
     assert likely["a"].room_id == "kitchen" and likely["b"].room_id == "bath"
     assert found["c"] == {"bed_2": 1.0} and found["d"] == {NOWHERE: 1.0}
     assert likely["e"] == (NOWHERE, 1.0, 1.0)
     for name in "ab":
         assert sum(found[name].values()) == pytest.approx(1.0, abs=1e-3)
-    assert rooms_of({"a": PhotoEvidence(kinds=looks_like("Kitchen"))}) == rooms_of(
-        {"a": PhotoEvidence(kinds=looks_like("Kitchen"))}
-    )
+    assert rooms_of({"a": kitchen}) == rooms_of({"a": kitchen})
 
 
 def test_photos_that_look_alike_are_of_one_room():
-    photos = {name: PhotoEvidence(kinds=looks_like("Bedroom")) for name in "bcd"}
+    photos = {name: BEDROOM for name in "bcd"}
     photos["a"] = PhotoEvidence(told=("bed_1",))
     pairs = itertools.combinations("abcd", 2)
     alike = {pair: 0.9 if pair in (("a", "b"), ("c", "d")) else -0.5 for pair in pairs}
@@ -71,10 +67,7 @@ def test_photos_that_look_alike_are_of_one_room():
 
 
 def test_photos_of_one_storey_look_sooner_alike():
-    photos = {
-        "bed": PhotoEvidence(kinds=looks_like("Bedroom")),
-        "kitchen": PhotoEvidence(told=("kitchen",)),
-    }
+    photos = {"bed": BEDROOM, "kitchen": PhotoEvidence(told=("kitchen",))}
     one = home()
     rooms = [replace(r, level="low" if r.id in ("bed_1", "kitchen") else "high") for r in one.rooms]
     alike = {("bed", "kitchen"): 0.8}
@@ -88,7 +81,7 @@ def test_of_rooms_of_a_type_the_larger_one_is_photographed_more():
     ring = ((4.0, 0.0), (8.0, 0.0), (8.0, 9.0), (4.0, 9.0))
     rooms = [replace(r, rings=(ring,)) if r.id == "bed_2" else r for r in small.rooms]
     large = replace(small, rooms=tuple(rooms))
-    photos = {name: PhotoEvidence(kinds=looks_like("Bedroom")) for name in "abc"}
+    photos = {name: BEDROOM for name in "abc"}
     same, more = (room_probabilities(house, photos, (), {})["a"] for house in (small, large))
     assert same["bed_1"] == pytest.approx(same["bed_2"], abs=0.05)
     assert more["bed_2"] > 1.2 * more["bed_1"]
@@ -113,20 +106,19 @@ def test_a_name_fits_rooms_by_what_they_are_called_and_are(name, fits):
 
 
 def test_photos_of_one_thing_are_of_one_room_and_others_sooner_of_another():
-    told = {"a": PhotoEvidence(told=("bed_1",)), "b": PhotoEvidence(kinds=looks_like("Bedroom"))}
+    told = {"a": PhotoEvidence(told=("bed_1",)), "b": BEDROOM}
     apart, together = rooms_of(told), rooms_of(told, [("a", "b")])
     assert likely_room(home(), apart["b"]).room_id == "bed_2"
     assert likely_room(home(), together["b"]).room_id == "bed_1"
     assert together["b"]["bed_1"] > 0.7 > apart["b"]["bed_1"]
     told = {name: PhotoEvidence(told=("bed_1",)) for name in "abcd"}
-    told |= {"e": PhotoEvidence(told=("bed_2",)), "f": PhotoEvidence(kinds=looks_like("Bedroom"))}
+    told |= {"e": PhotoEvidence(told=("bed_2",)), "f": BEDROOM}
     apart, tied = rooms_of(told)["f"], rooms_of(told, [("a", "f")])["f"]
     assert apart["bed_2"] > 1.5 * apart["bed_1"] and tied["bed_1"] > 0.8
 
 
 def test_photos_of_one_wall_are_not_sure_of_one_of_two_like_rooms():
-    photos = {name: PhotoEvidence(kinds=looks_like("Bedroom")) for name in "abcd"}
-    found = rooms_of(photos, list(itertools.combinations("abcd", 2)))
+    found = rooms_of({name: BEDROOM for name in "abcd"}, list(itertools.combinations("abcd", 2)))
     for name in "abcd":
         assert found[name]["bed_1"] == pytest.approx(found[name]["bed_2"], abs=0.15)
 

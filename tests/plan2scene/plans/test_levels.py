@@ -16,7 +16,6 @@ from plan2scene_app.plan_writer import house_to_plan
 
 @pytest.fixture
 def plan():
-    """The example's document."""
     return json.loads(STOREYS.read_text())
 
 

@@ -63,23 +63,14 @@ def test_any_axis_may_be_up(up, scale):
 def test_a_scene_as_other_programs_fill_it():
     """Ids with bars, regions of any type, no ceilings, materials of each wall."""
     corners = [[0, 0, 0], [4, 0, 0], [4, 3, 0], [0, 3, 0]]
-    elements = [
-        {
-            "id": f"wall|bed|{k}",
-            "type": "Wall",
-            "roomId": "room|bed",
-            "height": 2.7,
-            "holes": [],
-            "points": [corners[k], corners[(k + 1) % 4]],
-            "materials": [{"name": "Walldrywall4Tiled", "diffuse": "#888899"}],
-        }
-        for k in range(4)
-    ]
+    wall = {"type": "Wall", "roomId": "room|bed", "height": 2.7, "holes": []}
+    wall["materials"] = [{"name": "Walldrywall4Tiled", "diffuse": "#888899"}]
+    ends = [(corners[k], corners[(k + 1) % 4]) for k in range(4)]
+    elements = [wall | {"id": f"wall|bed|{k}", "points": [*ends[k]]} for k in range(4)]
     box = {"min": [1.5, 0], "max": [2.4, 2.1]}
     elements[0]["holes"] = [{"id": "door|0", "type": "Door", "box": box}]
-    elements.append(
-        {"id": "floor|bed", "type": "Floor", "roomId": ["room|bed"], "points": [corners]}
-    )
+    floor = {"id": "floor|bed", "type": "Floor", "roomId": ["room|bed"], "points": [corners]}
+    elements.append(floor)
     region = {"id": "room|bed", "type": "Other", "walls": []}
     arch = {"version": "arch@1.0.2", "up": [0, 0, 1], "elements": elements, "regions": [region]}
     document = {"format": "sceneState", "scene": {"arch": arch, "up": [0, 0, 1], "object": []}}

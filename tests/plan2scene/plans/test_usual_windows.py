@@ -14,13 +14,11 @@ from plan2scene.plans.usual_windows import USUAL_WINDOWS, with_usual_windows
 
 
 def windows(house):
-    """Return (rooms of the wall, wall, opening) of each window."""
     walls = [(wall, opening) for wall in house.walls for opening in wall.openings]
     return [(w.room_ids, w, o) for w, o in walls if o.kind == "window"]
 
 
 def row(**types):
-    """Return a house of 3 x 3 m rooms side by side, without openings."""
     rooms = rooms_in_a_row(**types)
     return House("row", rooms, tuple(walls_of_rooms(rooms)))
 

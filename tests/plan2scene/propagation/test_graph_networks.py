@@ -38,7 +38,6 @@ def test_same_output_as_the_reference():
 
 
 def chain(rooms, observed=None):
-    """Return rooms in a row, a door between neighbours."""
     rng = np.random.default_rng(rooms)
     links = [(i, i + 1) for i in range(rooms - 1)]
     edges = np.array(sorted([*links, *((b, a) for a, b in links)]), dtype=np.int64).reshape(-1, 2)

@@ -12,7 +12,6 @@ from plan2scene.propagation.propagate import shared_materials
 
 
 def found(folder, hidden=()):
-    """Return the materials of the tables in a folder."""
     names = ("scene.json", "surfaces.parquet", "embeddings.parquet", "light.json")
     output = folder / "materials.parquet"
     find_materials(*(folder / n for n in names), hidden, output, house="h1", dataset="d")
@@ -25,18 +24,11 @@ def test_crops_that_differ_make_few_of_them_doubtful(shared_house, tmp_path, cro
     rooms = [room.id for room in shared_house.rooms]
     write_scene_json(shared_house, tmp_path / "scene.json")
     rows = [
-        {
-            "room_id": room,
-            "surface": "floor",
-            "n_crops": crops,
-            "photo": "a.png",
-            "substance": "tile",
-            "embedding": code(mean + off),
-        }
+        {"room_id": room, "n_crops": crops, "embedding": code(mean + off)}
         for mean, room in enumerate(rooms)
         for off in np.linspace(-1.5, 1.5, crops)
     ]
-    table = pd.DataFrame(rows)
+    table = pd.DataFrame(rows).assign(surface="floor", photo="a.png", substance="tile")
     write_parquet(tmp_path / "embeddings.parquet", table, {})
     write_parquet(tmp_path / "surfaces.parquet", table.drop_duplicates("room_id"), {})
     write_json(tmp_path / "light.json", {"gains": {}})

@@ -37,7 +37,6 @@ def alike():
 
 
 def shown(graph):
-    """Return what the graph's surfaces tell."""
     return HouseColours.of_embeddings(graph.embeddings, graph.observed)
 
 

@@ -24,19 +24,10 @@ def crops(count):
 
 def crop_table(images):
     """Two photos; the last crop shows two rooms."""
-    ids = [f"floor/photo_0_crop{k}" for k in range(len(images))] + [
-        f"floor/photo_0_crop{len(images) - 1}"
-    ]
-    pngs = [png_bytes(image) for image in images]
-    return pd.DataFrame(
-        {
-            "crop_id": ids,
-            "photo": ["photo.jpg"] * len(ids),
-            "room_id": ["r1"] * len(images) + ["r2"],
-            "surface": "floor",
-            "png": [*pngs, pngs[-1]],
-        }
-    )
+    rows = [(f"floor/photo_0_crop{k}", "r1", png_bytes(image)) for k, image in enumerate(images)]
+    rows.append((rows[-1][0], "r2", rows[-1][2]))
+    table = pd.DataFrame(rows, columns=["crop_id", "room_id", "png"])
+    return table.assign(photo="photo.jpg", surface="floor")
 
 
 def test_embedding_ends_in_the_median_colour(model):

@@ -19,22 +19,13 @@ CROPS = [
 
 @pytest.fixture
 def files(tmp_path):
-    rows = [
-        {
-            "crop_id": f"{surface}/{photo[0]}_0_crop{k}",
-            "photo": photo,
-            "room_id": room,
-            "surface": surface,
-            "metres": metres,
-            "textureness": score,
-            "png": png_bytes(np.full((128, 128, 3), grey, np.uint8)),
-            "embedding": np.full(11, k, np.float32),
-            "naive_embedding": np.full(8, k, np.float32),
-            "substance_probabilities": np.eye(4, dtype=np.float32)[k % 2],
-        }
-        for k, (photo, room, surface, score, grey, metres) in enumerate(CROPS)
-    ]
-    table = pd.DataFrame(rows)
+    names = ["photo", "room_id", "surface", "textureness", "grey", "metres"]
+    table = pd.DataFrame(CROPS, columns=names)
+    table["crop_id"] = [f"{r.surface}/{r.photo[0]}_0_crop{r.Index}" for r in table.itertuples()]
+    table["png"] = [png_bytes(np.full((128, 128, 3), grey, np.uint8)) for grey in table["grey"]]
+    table["embedding"] = [np.full(11, k, np.float32) for k in table.index]
+    table["naive_embedding"] = [np.full(8, k, np.float32) for k in table.index]
+    table["substance_probabilities"] = [np.eye(4, dtype=np.float32)[k % 2] for k in table.index]
     crops, embeddings = tmp_path / "crops.parquet", tmp_path / "embeddings.parquet"
     write_parquet(crops, table[["crop_id", "photo", "room_id", "surface", "metres", "png"]], {})
     own = ["embedding", "naive_embedding", "substance_probabilities", "textureness"]

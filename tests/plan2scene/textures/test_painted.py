@@ -347,9 +347,8 @@ def test_an_unseen_balcony_has_no_carpet_and_no_wallpaper(paint, tmp_path, open_
     unseen = {f"balcony/{name}": LIKE_A for name in ("floor", "wall", "ceiling")}
     tiles = dict.fromkeys(("a/floor", *unseen), lilac)
     out = Painted(paint, tmp_path, tiles, unseen, open_air=open_air)
-    floor, wall, seen = (
-        median_colour(out.tile(name)) for name in ("balcony/floor", "balcony/wall", "a/floor")
-    )
+    names = ("balcony/floor", "balcony/wall", "a/floor")
+    floor, wall, seen = (median_colour(out.tile(name)) for name in names)
     joints, stone = out.tile("balcony/floor").std(), out.surfaces["balcony/floor"]
     if not open_air:
         assert joints > 10 and np.ptp(floor) > 0.05 and stone["evidence"]["like"] == "a"

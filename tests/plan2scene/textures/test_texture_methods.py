@@ -45,13 +45,10 @@ def _crop(name, room, surface, level, seed=0):
     return Crop(name, SurfaceKey(room, surface), png_bytes(_image(level, seed)), 0.5)
 
 
-CROPS = [
-    _crop("a", "bed1", "floor", 60),
-    _crop("b", "bed1", "floor", 100),
-    _crop("c", "bed1", "floor", 130),
-    _crop("d", "hall", "floor", 200),
-    _crop("e", "hall", "wall", 220),
-]
+CROPS = [_crop(name, "bed1", "floor", k) for name, k in zip("abc", (60, 100, 130), strict=True)]
+CROPS += [_crop("d", "hall", "floor", 200), _crop("e", "hall", "wall", 220)]
+#: What is foretold of every surface.
+TOLD = dict(substance="wood", metres=0.8, source="propagation", confidence=1.0, material="")
 
 
 def test_the_medoid_then_rooms_of_the_type_then_the_same_surface_then_anything():
@@ -92,7 +89,7 @@ def test_crops_of_other_houses_come_after_rooms_of_the_type_and_before_the_rest(
     own = choose_crop(PLAN, SurfaceKey("bed2", "floor"), CROPS, 0, others=pool)
     assert "a room of its type" in own.source
     folder, surfaces = _make(
-        files, "crop", hidden_photos=["p1.jpg", "p2.jpg"], crop_pool=files / "pool.parquet"
+        files, "crop", hidden=["p1.jpg", "p2.jpg"], crop_pool=files / "pool.parquet"
     )
     assert surfaces["bed1/floor"]["source"] == "such a room of another house: a of bed1"
     assert np.array_equal(read_image(folder / "bed1_floor.png"), _image(60))
@@ -107,17 +104,11 @@ def files(job_files, tmp_path):
 def job_files(tmp_path_factory):
     tmp_path = tmp_path_factory.mktemp("job")
     write_scene_json(PLAN, tmp_path / "scene.json")
-    crops = pd.DataFrame(
-        {
-            "crop_id": [c.crop_id for c in CROPS],
-            "photo": ["p1.jpg", "p1.jpg", "p1.jpg", "p2.jpg", "p2.jpg"],
-            "room_id": [c.key.room_id for c in CROPS],
-            "surface": [c.key.surface for c in CROPS],
-            "metres": [0.5, 0.5, float("nan"), 0.5, 0.5],
-            "sharpness": [1.0, 1.0, float("nan"), 1.0, 0.1],
-            "png": [c.png for c in CROPS],
-        }
-    )
+    rows = [(c.crop_id, *c.key, c.png) for c in CROPS]
+    crops = pd.DataFrame(rows, columns=["crop_id", "room_id", "surface", "png"])
+    crops["photo"] = ["p1.jpg"] * 3 + ["p2.jpg"] * 2
+    crops["metres"] = [0.5, 0.5, float("nan"), 0.5, 0.5]
+    crops["sharpness"] = [1.0, 1.0, float("nan"), 1.0, 0.1]
     write_parquet(tmp_path / "crops.parquet", crops, {"house": "h1"})
     observed = {("bed1", "floor"), ("hall", "floor"), ("hall", "wall")}
     rng = np.random.default_rng(0)
@@ -128,11 +119,7 @@ def job_files(tmp_path_factory):
             "observed": tuple(key) in observed,
             "embedding": np.r_[rng.normal(size=8), rng.uniform(size=3)].astype(np.float32),
             "naive_embedding": rng.normal(size=8).astype(np.float32),
-            "substance": "wood",
-            "metres": 0.8,
-            "source": "propagation",
-            "confidence": 1.0,
-            "material": "",
+            **TOLD,
         }
         for key in PLAN.surface_keys()
     ]
@@ -142,18 +129,14 @@ def job_files(tmp_path_factory):
     return tmp_path
 
 
-def _inputs(
-    files, *, size_px=128, seam_correction=None, hidden_photos=(), crop_pool=None, threads=1
-):
+def _inputs(files, *, size_px=128, seam_correction=None, hidden=(), crop_pool=None, threads=1):
     inputs = [files / f"{name}.parquet" for name in ("crops", "library", "patterns")]
     crops, library, patterns = (path if path.is_file() else None for path in inputs)
     house = HouseFiles("h1", files / "scene.json", crops, library, crop_pool, patterns=patterns)
     models = dict(texture=files / "synth.safetensors", naivesynth=files / "naivesynth.safetensors")
     corrected = {} if seam_correction is None else dict.fromkeys(texture_methods(), seam_correction)
     settings = TextureSettings(0, size_px, corrected, threads)
-    return HouseData(house).at(
-        Visible(files / "propagated.parquet", hidden_photos), models, settings
-    )
+    return HouseData(house).at(Visible(files / "propagated.parquet", hidden), models, settings)
 
 
 def _make(files, method, out="out", **changes):
@@ -251,10 +234,10 @@ def test_projection_stretches_the_largest_sharp_crop_once_over_the_surface(files
 
 
 def test_crops_of_hidden_photos_are_not_seen_and_without_any_the_library_is_used(files):
-    folder, surfaces = _make(files, "crop", hidden_photos=["p1.jpg"])
+    folder, surfaces = _make(files, "crop", hidden=["p1.jpg"])
     assert "of hall" in surfaces["bed1/floor"]["source"]
     assert np.array_equal(read_image(folder / "bed1_floor.png"), _image(200))
-    _, surfaces = _make(files, "crop", hidden_photos=["p1.jpg", "p2.jpg"])
+    _, surfaces = _make(files, "crop", hidden=["p1.jpg", "p2.jpg"])
     assert "no crop in the house" in surfaces["bath/floor"]["source"]
     assert surfaces["bath/floor"]["source"].startswith("tile-")
     assert surfaces["bed1/wall"]["source"].startswith("plaster-")

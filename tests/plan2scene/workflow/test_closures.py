@@ -18,9 +18,8 @@ def test_a_module_is_part_of_the_rules_that_it_can_change_alone():
     # Each plan's own reader joins these by its suffix.
     assert "plan2scene_app.plan_formats.dxf" not in CLOSURES["floorplan"]
     assert users("plan2scene_app.contact_sheet.sheet") == {"contact_sheet"}
-    assert users("plan2scene.mesh.joinery") == {
-        *("house", "pictures", "lit_house", "export_house", "study_house")
-    }
+    drawn = {"house", "pictures", "lit_house", "export_house", "study_house"}
+    assert users("plan2scene.mesh.joinery") == drawn
 
 
 def test_plan_readers_are_of_the_plan_alone():

@@ -43,15 +43,13 @@ def changed(path, value, example=EXAMPLE):
     return document
 
 
+ATTIC = {"id": "attic", "elevation": 5.6, "height": 2.2}
 STOREY_CHANGES = {
     "no level of a room": (["rooms", 0, "level"], None),
     "an unknown level": (["rooms", 0, "level"], "attic"),
     "an unknown level of a door": (["openings", 0, "level"], "attic"),
     "no levels": (["levels"], None),
-    "a level without rooms": (
-        ["levels"],
-        [*STOREYS["levels"], {"id": "attic", "elevation": 5.6, "height": 2.2}],
-    ),
+    "a level without rooms": (["levels"], [*STOREYS["levels"], ATTIC]),
     "levels of one id": (["levels", 1, "id"], "ground"),
     "levels too near": (["levels", 1, "elevation"], 0.3),
     "a ceiling above the next floor": (["rooms", 1, "height"], 2.9),

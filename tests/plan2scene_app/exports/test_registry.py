@@ -66,9 +66,8 @@ def test_files_that_no_export_wrote_are_kept(made, name):
     arguments = ["export", str(made), "--to", "obj", "--out", str(made / "x")]
     result = CliRunner().invoke(app, arguments)
     assert isinstance(result.exception, InputError)
-    assert f"expected an --out folder without files of others, found {mine.name}" in str(
-        result.exception
-    )
+    expected = f"expected an --out folder without files of others, found {mine.name}"
+    assert expected in str(result.exception)
     assert [p for p in (made / "x").rglob("*") if p.is_file()] == [mine]
     assert mine.read_text() == "mine"
 

@@ -113,13 +113,11 @@ def test_what_has_no_texels_has_the_light_of_walls_near_it(windowed):
 def test_light_runs_on_where_a_wall_of_one_plane_goes_on(storey_house):
     parts = parts_of(storey_house)
     light = light_of(storey_house)
-    before, behind = (  # the hall's wall along two rooms that meet at z = 3.4, nearest to its lamp
-        sample([light.image], light.uv(part)[end], np.ones(len(end))).mean(axis=1)
-        for part, end in (
-            (part, np.flatnonzero(np.abs(part.mesh.vertices[:, 2] - 3.4) < 1e-3))
-            for part in (parts["hall/wall/hall_wall_1"], parts["hall/wall/hall_wall_2"])
-        )
-    )
+    ends = []  # the hall's wall along two rooms that meet at z = 3.4, nearest to its lamp
+    for part in (parts["hall/wall/hall_wall_1"], parts["hall/wall/hall_wall_2"]):
+        uv = light.uv(part)[np.abs(part.mesh.vertices[:, 2] - 3.4) < 1e-3]
+        ends.append(sample([light.image], uv, np.ones(len(uv))).mean(axis=1))
+    before, behind = ends
     assert before.max() > 0.5
     np.testing.assert_allclose(np.sort(before), np.sort(behind), rtol=0.08)
 
@@ -249,6 +247,5 @@ def test_every_storey_has_light_of_its_own(storey_house, paint, tmp_path):
     dark = replace(storey_house, rooms=storey_house.rooms[:4])  # no lamps upstairs
     below = wall_light(bake_light(dark, parts, mean_colours(textures), 0.7))
     gains = {room: means[room] / below[room] for room in means}
-    assert min(gains[room.id] for room in storey_house.rooms[4:]) > max(
-        gains[room.id] for room in storey_house.rooms[:4]
-    )
+    gain = [gains[room.id] for room in storey_house.rooms]
+    assert min(gain[4:]) > max(gain[:4])

@@ -33,17 +33,9 @@ def room_labels():
 def candidate(photo, surface, index, reason, crop_id):
     top, left = {"floor": 190, "wall": 90, "ceiling": 10}[surface], 20 + 24 * index
     corners = [left, top, left + 30, top, left + 30, top + 30, left, top + 30]
-    row = {
-        "photo": photo,
-        "room_id": "r1",
-        "surface": surface,
-        "plane": 0,
-        "index": index,
-        "metres": 0.5,
-        "reason": reason,
-        "crop_id": crop_id,
-    }
-    return row | {"corners": [float(value) for value in corners]}
+    place = {"photo": photo, "room_id": "r1", "surface": surface, "plane": 0, "index": index}
+    verdict = {"reason": reason, "crop_id": crop_id}
+    return place | verdict | {"metres": 0.5, "corners": [float(value) for value in corners]}
 
 
 @pytest.fixture
@@ -117,9 +109,8 @@ def test_each_photo_has_a_row_of_framed_windows_or_says_why_it_was_left_out(case
     )
     assert not {SELECTED, LAST_RESORT, REJECTED} & set(frames(sheet, 1))
     for row in (1, 2, 3):
-        part = sheet[
-            layout.HEADER + row * layout.ROW + layout.TITLE : layout.HEADER + (row + 1) * layout.ROW
-        ]
+        top = layout.HEADER + row * layout.ROW
+        part = sheet[top + layout.TITLE : top + layout.ROW]
         assert (np.abs(part.astype(int) - REJECTED).sum(axis=2) < 60).sum() > 100
 
 

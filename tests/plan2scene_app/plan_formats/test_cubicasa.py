@@ -85,9 +85,8 @@ def test_a_page_of_no_known_width_tells_no_scale(tmp_path, width):
 
 def test_the_storey_with_most_floor_is_read(tmp_path):
     large, small = drawn_flat(2), drawn_flat(0)
-    inside = "".join(
-        f'<g class="Floor" id="{n}">{elements(p)}</g>' for n, p in (("a", small), ("b", large))
-    )
+    floors = (("a", small), ("b", large))
+    inside = "".join(f'<g class="Floor" id="{n}">{elements(p)}</g>' for n, p in floors)
     found = read_plan(svg(tmp_path, inside), "h1", 1 / PIXELS)
     assert_found(large, found, heights=False)
     assert any("2; b read, left out a" in line for line in found.warnings)

@@ -24,9 +24,8 @@ class Writer:
             "Body", "Model", None, None, None, None, context, None, "MODEL_VIEW", None
         )
         units = f.createIfcUnitAssignment([milli])
-        self.project = self.root(
-            "IfcProject", RepresentationContexts=[context], UnitsInContext=units
-        )
+        told = {"RepresentationContexts": [context], "UnitsInContext": units}
+        self.project = self.root("IfcProject", **told)
         self.place = f.createIfcLocalPlacement(None, self.origin)
 
     def point(self, *values):
@@ -38,9 +37,8 @@ class Writer:
     def product(self, kind, area, low, high, **facts):
         f = self.file
         points = [self.point(x, -z) for x, z in list(area.exterior.coords)[:-1]]
-        profile = f.createIfcArbitraryClosedProfileDef(
-            "AREA", None, f.createIfcPolyline([*points, points[0]])
-        )
+        line = f.createIfcPolyline([*points, points[0]])
+        profile = f.createIfcArbitraryClosedProfileDef("AREA", None, line)
         position = f.createIfcAxis2Placement3D(self.point(0, 0, low))
         up = f.createIfcDirection([0.0, 0.0, 1.0])
         solid = f.createIfcExtrudedAreaSolid(profile, position, up, float(high - low) * 1000)
@@ -51,14 +49,10 @@ class Writer:
     def storey(self, plan, name, base=0.0, spaces=True, walls=True, contained=False):
         storey = self.root("IfcBuildingStorey", Name=name)
         self.root("IfcRelAggregates", RelatingObject=self.project, RelatedObjects=[storey])
-        rooms = (
-            [
-                self.product("IfcSpace", area, base, base + plan.height, LongName=" / ".join(types))
-                for _, types, area in plan.rooms
-            ]
-            if spaces
-            else []
-        )
+        rooms = [
+            self.product("IfcSpace", area, base, base + plan.height, LongName=" / ".join(types))
+            for _, types, area in (plan.rooms if spaces else ())
+        ]
         if rooms and not contained:
             self.root("IfcRelAggregates", RelatingObject=storey, RelatedObjects=rooms)
         elements = list(rooms) if contained else []
@@ -73,23 +67,16 @@ class Writer:
             wall = max(bodies, key=lambda pair: pair[0].intersection(area).area)[1]
             low, high = base + hole.bottom, base + hole.top
             opening = self.product("IfcOpeningElement", area, low, high)
-            self.root(
-                "IfcRelVoidsElement", RelatingBuildingElement=wall, RelatedOpeningElement=opening
-            )
+            cut = {"RelatingBuildingElement": wall, "RelatedOpeningElement": opening}
+            self.root("IfcRelVoidsElement", **cut)
             if hole.kind != "passage":
                 leaf = self.root(f"Ifc{hole.kind.title()}", ObjectPlacement=self.place)
-                self.root(
-                    "IfcRelFillsElement",
-                    RelatingOpeningElement=opening,
-                    RelatedBuildingElement=leaf,
-                )
+                fit = {"RelatingOpeningElement": opening, "RelatedBuildingElement": leaf}
+                self.root("IfcRelFillsElement", **fit)
                 elements.append(leaf)
         if elements:
-            self.root(
-                "IfcRelContainedInSpatialStructure",
-                RelatedElements=elements,
-                RelatingStructure=storey,
-            )
+            within = {"RelatedElements": elements, "RelatingStructure": storey}
+            self.root("IfcRelContainedInSpatialStructure", **within)
 
     def saved(self, tmp_path):
         self.file.write(str(tmp_path / "plan.ifc"))

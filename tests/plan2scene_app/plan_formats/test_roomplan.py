@@ -17,14 +17,10 @@ def surface(kind, start, end, bottom, top, story=0):
     width = float(np.linalg.norm(end - start))
     along = (end - start) / width
     middle = (start + end) / 2
-    columns = [
-        [along[0], 0, along[1], 0],
-        [0, 1, 0, 0],
-        [-along[1], 0, along[0], 0],
-        [middle[0], (bottom + top) / 2, middle[1], 1],
-    ]
+    x, z = along
+    matrix = [x, 0, z, 0, 0, 1, 0, 0, -z, 0, x, 0, middle[0], (bottom + top) / 2, middle[1], 1]
     found = {"identifier": f"{kind}{start}", "category": {kind: {}}, "story": story}
-    found["transform"] = [float(v) for column in columns for v in column]
+    found["transform"] = [float(v) for v in matrix]
     return found | {"dimensions": [width, top - bottom, 0]}
 
 
@@ -35,15 +31,10 @@ def room(types, area, plan, story=0, base=-1.2, floors=True):
     floor["transform"] = [1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, base, 0, 1]
     floor["polygonCorners"] = [[x, z, 0] for x, z in points[:-1]]
     centre = area.representative_point()
-    found = {
-        "walls": walls,
-        "floors": [floor] if floors else [],
-        "sections": [
-            {"label": LABELS.get(t, t.lower()), "center": [centre.x, 0, centre.y]} for t in types
-        ],
-        **{key: [] for key in LISTS.values()},
-        "story": story,
-    }
+    place = {"center": [centre.x, 0, centre.y]}
+    found = {"walls": walls, "floors": [floor] if floors else [], "story": story}
+    found["sections"] = [{"label": LABELS.get(t, t.lower())} | place for t in types]
+    found |= {key: [] for key in LISTS.values()}
     for key, hole in plan.holes_of(area):
         item = surface(hole.kind, *hole.ends, base + hole.bottom, base + hole.top, story)
         found[key].append(item)

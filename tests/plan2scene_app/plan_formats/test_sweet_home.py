@@ -23,26 +23,17 @@ def home_xml(plan, *, rooms=True, level=None):
     parts = []
     for hole in plan.holes:
         model = {"door": "door", "window": "window85x123", "passage": "doorFrame"}[hole.kind]
-        place = {
-            "x": hole.centre[0],
-            "y": hole.centre[1],
-            "width": hole.width,
-            "depth": plan.thickness,
-            "height": hole.top - hole.bottom,
-        }
+        (x, y), height = hole.centre, hole.top - hole.bottom
+        place = dict(x=x, y=y, width=hole.width, depth=plan.thickness, height=height)
         place = {key: 100 * value for key, value in (place | {"elevation": hole.bottom}).items()}
         place["angle"] = atan2(hole.along[1], hole.along[0])
         sash = ["<sash xAxis='0' yAxis='0' width='1' startAngle='0' endAngle='1'/>"]
         inside = sash if hole.kind == "door" else []
-        parts.append(
-            element("doorOrWindow", inside, catalogId=f"eTeks#{model}", name=model, **place, **on)
-        )
+        place |= {"catalogId": f"eTeks#{model}", "name": model}
+        parts.append(element("doorOrWindow", inside, **place, **on))
     for number, (a, b) in enumerate(plan.axes):
-        ends = dict(
-            zip(("xStart", "yStart", "xEnd", "yEnd"), (v * 100 for v in (*a, *b)), strict=True)
-        )
         sizes = {"thickness": plan.thickness * 100, "height": plan.height * 100}
-        parts.append(element("wall", id=f"wall{number}", **ends, **sizes, **on))
+        parts.append(wall(*(v * 100 for v in (*a, *b)), id=f"wall{number}", **sizes, **on))
     for _, types, polygon in plan.rooms if rooms else ():
         points = [element("point", x=x * 100, y=z * 100) for x, z in polygon.exterior.coords]
         parts.append(element("room", points, name=" / ".join(types), **on))

@@ -22,14 +22,12 @@ def holes_of(plan, area):
 
 
 def redraw(plan):
-    return {
-        f"room_{k}": {
-            "vertices": coordinates(list(area.exterior.coords)[:-1]),
-            "pins": [{"label": " / ".join(types)}],
-            **holes_of(plan, area),
-        }
-        for k, (_, types, area) in enumerate(plan.rooms)
-    }
+    found = {}
+    for k, (_, types, area) in enumerate(plan.rooms):
+        room = {"vertices": coordinates(list(area.exterior.coords)[:-1])}
+        room["pins"] = [{"label": " / ".join(types)}]
+        found[f"room_{k}"] = room | holes_of(plan, area)
+    return found
 
 
 def merger(plan):
@@ -50,13 +48,9 @@ def merger(plan):
             for i in range(0, len(points), 2):
                 triples += [*local(points[i : i + 2]), [-1.0, 0.5]]
             layout[key] = triples
-        pano = dict(
-            is_primary=True,
-            label=" / ".join(types),
-            ceiling_height=plan.height / UNIT / scale,
-            layout_raw=layout,
-            floor_plan_transformation={"rotation": angle, "scale": scale, "translation": [*move]},
-        )
+        place = {"rotation": angle, "scale": scale, "translation": [*move]}
+        pano = dict(label=" / ".join(types), layout_raw=layout, floor_plan_transformation=place)
+        pano |= {"is_primary": True, "ceiling_height": plan.height / UNIT / scale}
         found[f"complete_{k}"] = {"partial_0": {"pano_0": pano}}
     return found
 

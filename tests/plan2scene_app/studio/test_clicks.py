@@ -292,7 +292,7 @@ end("failed")
 
 
 def test_a_run_is_cancelled_fails_with_a_line_and_goes_on(drawing, monkeypatch):
-    page, job = drawing.page, runs.JOB
+    page, whole = drawing.page, runs.JOB
     two_rooms(drawing)
     monkeypatch.setattr(runs, "JOB", job(STUCK))
     page.click("#make")
@@ -306,7 +306,7 @@ def test_a_run_is_cancelled_fails_with_a_line_and_goes_on(drawing, monkeypatch):
     line.wait_for()
     assert line.inner_text() == "file photos/a.jpg, house home: expected a JPEG, found text"
     assert page.locator(".stages .failed").all_text_contents() == ["What the photos show"]
-    monkeypatch.setattr(runs, "JOB", job)
+    monkeypatch.setattr(runs, "JOB", whole)
     page.locator("#start-run", has_text="Try again").click()
     page.wait_for_function("() => house.run.state === 'done'")
     assert page.locator(".stages .done").all_text_contents() == ["Plan", "The house in 3D"]

@@ -1,16 +1,16 @@
 import csv
+import io
 import json
 
 import pytest
 from browser import chromium
+from index_page import index_page
 
 from plan2scene.house import House, Level, Opening, Room, Wall
 from plan2scene.mesh.glb import write_glb
-from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene_app.doubts.page import DoubtFiles, write_doubts
 from plan2scene_app.editor.editor_page import editor_page
 from plan2scene_app.studio.projects import EXTRA, PLAN, Projects
-from plan2scene_app.viewer.index_page import write_index
 from plan2scene_app.viewer.viewer_page import build_viewer
 
 NAMES = [
@@ -73,20 +73,10 @@ def doubts(folder, name):
 
 
 def index(folder, name):
-    house = folder / "houses" / "h"
-    house.mkdir(parents=True)
-    write_scene_json(House("h", (Room("r", ("Bedroom",), (RING,), 2.5),), ()), house / "scene.json")
-    with (folder / "table.csv").open("w", newline="") as file:
-        csv.writer(file).writerows([[name], [name]])
-    write_index(
-        folder / "index.html",
-        scenes=[house / "scene.json"],
-        table=folder / "table.csv",
-        plot=folder / "plot.png",
-        dataset=name,
-        method=name,
-    )
-    return folder / "index.html"
+    house = House("h", (Room("r", ("Bedroom",), (RING,), 2.5),), ())
+    table = io.StringIO()
+    csv.writer(table).writerows([[name], [name]])
+    return index_page(folder, house, table.getvalue(), name, name)
 
 
 @pytest.fixture(scope="module")

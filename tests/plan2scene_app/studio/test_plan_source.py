@@ -63,21 +63,17 @@ def test_a_width_stands_for_the_scale_of_an_svg(project):
 @pytest.mark.parametrize(
     ("given", "expected"),
     [
-        ({"metres_per_pixel": 0}, "metres of a pixel"),
-        ({"metres_per_pixel": -0.01}, "metres of a pixel"),
+        *(
+            ({"metres_per_pixel": value}, "metres of a pixel")
+            for value in (0, -0.01, True, float("inf"), float("nan"), 10**400)
+        ),
         ({"metres_per_pixel": "0.01"}, "found '0.01'"),
-        ({"metres_per_pixel": True}, "metres of a pixel"),
-        ({"metres_per_pixel": float("inf")}, "metres of a pixel"),
-        ({"metres_per_pixel": float("nan")}, "metres of a pixel"),
-        ({"metres_per_pixel": 10**400}, "metres of a pixel"),
         ({"metres_per_pixel": 0.0001}, "1 to 500 m long, found 0.08 m"),
         ({"metres_per_pixel": 0.9}, "1 to 500 m long, found 720 m"),
         ({"width": 1e6}, "a width of the house in metres"),
         ({"metres_per_pixel": 0.01, "width": 8}, "found both"),
-        ({"dxf_layers": ["walls"]}, "patterns of rooms"),
-        ({"dxf_layers": {"roofs": "R"}}, "patterns of rooms"),
-        ({"dxf_layers": {"walls": 3}}, "a pattern of at most"),
-        ({"dxf_layers": {"walls": "x" * 301}}, "a pattern of at most"),
+        *(({"dxf_layers": layers}, "patterns of rooms") for layers in (["walls"], {"roofs": "R"})),
+        *(({"dxf_layers": {"walls": w}}, "a pattern of at most") for w in (3, "x" * 301)),
     ],
 )
 def test_values_are_checked_before_anything_is_kept(project, given, expected):

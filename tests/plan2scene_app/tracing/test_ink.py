@@ -124,9 +124,8 @@ def test_leaves_in_a_gap_that_the_network_takes_for_floor_are_a_door(leaves):
     page = solid_page(labels)
     for hinge, start in ((50, 0), (94, 270))[:leaves]:
         cv2.ellipse(page, (151, hinge), (22, 22), 0, start, start + 90, (0, 0, 0), 1)
-    assert (
-        marks.with_drawn_doors(labels, page, PPM)[51:94, 151] == (DOOR if leaves else ROOM)
-    ).all()
+    found = marks.with_drawn_doors(labels, page, PPM)[51:94, 151]
+    assert (found == (DOOR if leaves else ROOM)).all()
 
 
 def test_a_leaf_that_opens_towards_another_door_leaves_that_whole():

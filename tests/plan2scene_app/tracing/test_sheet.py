@@ -108,7 +108,6 @@ def test_a_photo_of_a_plan_becomes_the_same_plan(tmp_path, monkeypatch):
     back = cv2.getPerspectiveTransform(own, np.array(place["sheet"]["corners"], np.float32))
     seen = cv2.perspectiveTransform(np.array([[place["origin"]]]), back)[0, 0]
     drawn = np.array([[0, 0], [10, 0], [10, 7], [0, 7]], np.float32)
-    true = cv2.perspectiveTransform(
-        np.array([[[0.9, 0.9]]]), cv2.getPerspectiveTransform(drawn, corners.astype(np.float32))
-    )[0, 0]
+    move = cv2.getPerspectiveTransform(drawn, corners.astype(np.float32))
+    true = cv2.perspectiveTransform(np.array([[[0.9, 0.9]]]), move)[0, 0]
     assert seen == pytest.approx(true, abs=6)

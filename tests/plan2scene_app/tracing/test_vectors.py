@@ -125,9 +125,8 @@ def test_a_name_is_no_word_of_appliances_and_joins_the_rooms_of_an_open_one(prob
 def test_rooms_are_named_by_text_else_by_furniture(probabilities):
     regions, polygons = traced(probabilities)
     lines = [line("Chambre 1", 3.0 * PPM, 2.0 * PPM), line("11.31 m²", 3.0 * PPM, 2.4 * PPM)]
-    named, other = sorted(
-        outlines.describe_rooms(regions, polygons, probabilities, lines), key=lambda r: not r.named
-    )
+    found = outlines.describe_rooms(regions, polygons, probabilities, lines)
+    named, other = sorted(found, key=lambda r: not r.named)
     assert (named.id, named.types, named.name) == ("chambre_1", ("Bedroom",), "Chambre 1")
     assert (other.id, other.types, other.named) == ("kitchen", ("Kitchen",), False)
     assert len(named.texts) == 2 and named.confidence > 0.8

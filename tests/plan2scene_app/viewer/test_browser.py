@@ -4,6 +4,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from browser import AXE, serious_violations
+from index_page import index_page
 from PIL import Image
 from viewer_page import ViewerPage
 
@@ -11,8 +12,6 @@ from plan2scene.house import IconBox, SurfaceKey
 from plan2scene.images import png_bytes
 from plan2scene.mesh.glb import write_glb
 from plan2scene.mesh.texture_files import TileTexture
-from plan2scene.plans.scene_writer import write_scene_json
-from plan2scene_app.viewer.index_page import write_index
 from plan2scene_app.viewer.viewer_page import build_viewer
 
 NAME = (
@@ -107,7 +106,7 @@ def box_of(browser, name):
     )
 
 
-def test_textured_pixels(view):
+def test_textured_pixels_are_in_plain_light_of_their_true_colours(view):
     scene = still(view)
     seen = colours(scene)
     assert all(mask.sum() > 2000 for mask in seen.values())
@@ -116,9 +115,6 @@ def test_textured_pixels(view):
     row = max(range(scene.shape[0]), key=lambda y: floor[y].sum())
     assert np.abs(np.diff(seen["red"][row].astype(int))).sum() > 8
     assert len(np.unique(scene.reshape(-1, 3), axis=0)) > 100
-
-
-def test_plain_light_keeps_colours_true(view):
     view.run('setLook("plain")')
     scene = still(view)
     for colour in ((220, 20, 20), (20, 20, 220)):  # of the floor's tile
@@ -188,9 +184,8 @@ def test_photos_stand_where_they_were_taken(view):
     assert "Photo 2" in info(view) and "known well" in info(view)
     view.wait("eye.photo !== null")
     view.run("draw(1)")
-    assert (
-        box_of(view, "photo") == [0, 0, 900, 600] and view.run("$('photo').style.opacity") == "0.5"
-    )
+    assert box_of(view, "photo") == [0, 0, 900, 600]
+    assert view.run("$('photo').style.opacity") == "0.5"
     view.run("blend.value = 100; blend.dispatchEvent(new Event('input'))")
     assert view.run("$('photo').style.opacity") == "1"
     x, y, z = view.run("camera.position.toArray()")
@@ -351,20 +346,9 @@ def test_doors_inside_are_passed_and_stairs_climbed(browser, gap_house, tmp_path
 
 
 def test_the_index_page_shows_pictures_and_runs_nothing(browser, small_house, tmp_path):
-    folder = tmp_path / "houses" / "small"
-    write_scene_json(small_house, folder / "scene.json")
-    Image.new("RGB", (400, 300), (255, 0, 0)).save(folder / "preview.png")
-    table = tmp_path / "table.csv"
-    table.write_text(f"method\n{NAME.replace(',', '')}\n")
-    write_index(
-        tmp_path / "index.html",
-        scenes=[folder / "scene.json"],
-        table=table,
-        plot=tmp_path / "plot.png",
-        dataset=NAME,
-        method=NAME,
-    )
-    page = tmp_path / "index.html"
+    (tmp_path / "houses" / "small").mkdir(parents=True)
+    Image.new("RGB", (400, 300), (255, 0, 0)).save(tmp_path / "houses/small/preview.png")
+    page = index_page(tmp_path, small_house, f"method\n{NAME.replace(',', '')}\n", NAME, NAME)
     text = page.read_text(encoding="utf-8")
     blue = "<script>document.body.replaceChildren()</script></body>"
     page.write_text(text.replace("</body>", blue), encoding="utf-8")

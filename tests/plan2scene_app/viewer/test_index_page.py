@@ -1,30 +1,19 @@
 import re
 from urllib.parse import unquote
 
-from plan2scene.plans.scene_writer import write_scene_json
-from plan2scene_app.viewer.index_page import write_index
+from index_page import index_page
 
 
 def make(tmp_path, small_house):
     folder = tmp_path / "houses" / "small"
     folder.mkdir(parents=True)
-    write_scene_json(small_house, folder / "scene.json")
     files = "viewer.html house.glb house.scene.json preview.png rooms.jpg views.jpg"
     for name in (*files.split(), "contact_sheet.png", "texture_sheet.png", "patterns.jpg"):
         (folder / name).write_bytes(b"x")
-    (tmp_path / "tables").mkdir()
+    (tmp_path / "table.png").write_bytes(b"x")
     rows = "method,n,color,note\nsynth,12,0.123456,a<b\ncrop,7,,none\n"
-    (tmp_path / "tables" / "paper_table.csv").write_text(rows)
-    (tmp_path / "tables" / "paper_table.png").write_bytes(b"x")
-    write_index(
-        tmp_path / "index.html",
-        scenes=[folder / "scene.json"],
-        table=tmp_path / "tables" / "paper_table.csv",
-        plot=tmp_path / "tables" / "paper_table.png",
-        dataset="demo & more",
-        method="synth",
-    )
-    return (tmp_path / "index.html").read_text(encoding="utf-8")
+    page = index_page(tmp_path, small_house, rows, "demo & more", "synth")
+    return page.read_text(encoding="utf-8")
 
 
 def test_links_figures_and_escaping(tmp_path, small_house):
