@@ -1,5 +1,3 @@
-"""A room with a door and windows, and the labels that a camera in it sees."""
-
 import numpy as np
 from views import camera_looking
 

@@ -1,5 +1,3 @@
-"""A plan drawn as a picture: walls, two doors with their swings, a window."""
-
 import cv2
 import numpy as np
 

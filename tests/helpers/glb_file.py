@@ -1,5 +1,3 @@
-"""What is in a GLB file."""
-
 import json
 import struct
 

@@ -1,5 +1,3 @@
-"""What the stage of masks leaves of photos."""
-
 from plan2scene.io import write_json
 from plan2scene.photos.labels.palette import write_label_png
 

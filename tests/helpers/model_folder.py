@@ -1,5 +1,3 @@
-"""A folder of furniture models: coloured boxes."""
-
 import trimesh
 
 HEADER = "file,class,width,depth,height,mount\n"

@@ -1,5 +1,3 @@
-"""Textures and paint of a house, as the stages before painting leave them."""
-
 import pandas as pd
 
 from plan2scene.images import jpeg_bytes, read_image, write_png

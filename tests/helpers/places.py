@@ -1,5 +1,3 @@
-"""Where the repository and its example plans are."""
-
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]

@@ -1,5 +1,3 @@
-"""Small houses made by hand."""
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""The textures embedded in a scene.json, read back."""
-
 import base64
 import json
 

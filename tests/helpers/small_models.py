@@ -1,5 +1,3 @@
-"""Untrained texture models, small enough to be made in a test."""
-
 from dataclasses import asdict
 
 import torch

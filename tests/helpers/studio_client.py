@@ -1,5 +1,3 @@
-"""A studio, asked as a browser asks it."""
-
 import http.client
 import json
 

@@ -1,5 +1,3 @@
-"""The viewer's page in a headless Chromium: what it draws, says, asks for."""
-
 import base64
 
 import cv2

@@ -1,5 +1,3 @@
-"""Cameras that look into a room."""
-
 import numpy as np
 
 from plan2scene.camera import Camera

@@ -1,5 +1,3 @@
-"""FID and KID of two whole sets of features."""
-
 import numpy as np
 
 from plan2scene.metrics.feature_sets import SurfaceDistances

@@ -107,11 +107,9 @@ def test_a_missing_file_is_told_with_what_differs_in_its_ending(tmp_path):
     assert p2s_io.absent(tmp_path / "b.jpg") == "no such file"
 
 
-@pytest.mark.parametrize(
-    ("umask", "file", "folder"), [(0o022, 0o644, 0o755), (0o077, 0o600, 0o700)]
-)
-def test_written_files_obey_the_umask(tmp_path, umask, file, folder):
-    before = os.umask(umask)
+@pytest.mark.parametrize(("mask", "file", "folder"), [(0o022, 0o644, 0o755), (0o077, 0o600, 0o700)])
+def test_written_files_obey_the_umask(tmp_path, mask, file, folder):
+    before = os.umask(mask)
     try:
         p2s_io.write_json(tmp_path / "a.json", {})
         with p2s_io.atomic_directory(tmp_path / "b") as made:

@@ -51,9 +51,8 @@ def test_each_kind_of_finish_and_nothing_else(house, caplog):
     table = house / "home.finishes.csv"
     table.write_text(finishes_text({SurfaceKey(*key): what for key, what in chosen.items()}))
     assert finishes_file(house / "home.scene.json") == table
-    set_by_hand(
-        house / "set", read_finishes(table), house / "crops.parquet", house / "paint.parquet"
-    )
+    inputs = house / "crops.parquet", house / "paint.parquet"
+    set_by_hand(house / "set", read_finishes(table), *inputs)
     different = filecmp.dircmp(house / "found", house / "set").diff_files
     changed = {"a_floor.png", "a_wall.png", "a_wall.w1.png", "b_wall.png"}
     assert set(different) == changed | {"textures.json", "maps.json", "doors.json"}

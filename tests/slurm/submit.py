@@ -1,5 +1,3 @@
-"""Runs of Snakemake with the shipped profile on a SLURM."""
-
 import subprocess
 import sys
 import textwrap

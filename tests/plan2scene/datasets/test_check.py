@@ -188,7 +188,6 @@ def test_every_problem_is_a_line(dataset):
     assert lines[3] == f"warning: file {photos / 'text.jpg'}, house h1: expected an image (" + (
         "JPEG, PNG, GIF, WebP, TIFF, BMP, PPM or HEIC), found text"
     )
-    assert lines[4] == (
-        f"error: file {dataset / 'none.json'}, house h2: expected a plan, found no such file"
-    )
+    line = f"file {dataset / 'none.json'}, house h2: expected a plan, found no such file"
+    assert lines[4] == f"error: {line}"
     assert lines[5].startswith("warning: ") and all("\n" not in line for line in lines)

@@ -38,12 +38,10 @@ def test_icons_say_what_they_are(room_of_four):
 @pytest.mark.parametrize("category", sorted(KINDS))
 def test_models_fill_their_size_and_are_closed(category, room_of_four):
     width, depth, height = KINDS[category].size
-    corners = np.array(
-        [c for a, b, _ in KINDS[category].blocks(width, depth, height) for c in (a, b)]
-    )
-    assert corners.min(axis=0) == pytest.approx([0, 0, 0], abs=1e-9)
-    assert corners[:, [0, 2]].max(axis=0) == pytest.approx([width, depth])
-    assert height - 1e-9 <= corners[:, 1].max() <= height + 0.15  # taps stand above
+    ends = np.array([c for a, b, _ in KINDS[category].blocks(width, depth, height) for c in (a, b)])
+    assert ends.min(axis=0) == pytest.approx([0, 0, 0], abs=1e-9)
+    assert ends[:, [0, 2]].max(axis=0) == pytest.approx([width, depth])
+    assert height - 1e-9 <= ends[:, 1].max() <= height + 0.15  # taps stand above
     for low, high, _ in KINDS[category].blocks(width, depth, height):
         assert (np.array(high) > np.array(low)).all()
     (part,) = objects_of(room_of_four, IconBox(category, (1.0, 0.1), (1.9, 0.9)))

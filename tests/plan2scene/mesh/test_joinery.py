@@ -89,10 +89,8 @@ def leaf_points(ring, start):
         *walls_of(hall, openings={3: [Opening("ba", "door", 4.0 - end, 4.0 - start, 0.0, 2.0)]}),
     )
     doors = (Door("a", "ab", "b"), Door("b", "ba", "a"))
-    points = parts_of(House("h", (closet, hall), walls, doors))["a/door/ab"].mesh.vertices[
-        :, [0, 2]
-    ]
-    return points[points[:, 0] < 2.9]
+    ends = parts_of(House("h", (closet, hall), walls, doors))["a/door/ab"].mesh.vertices[:, [0, 2]]
+    return ends[ends[:, 0] < 2.9]
 
 
 @pytest.mark.parametrize(("back", "reach"), [(1.0, (2.3, 2.4)), (2.5, (2.5, 2.7))])

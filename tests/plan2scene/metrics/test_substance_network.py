@@ -21,9 +21,8 @@ def test_a_file_gives_the_same_network_back(tmp_path):
     network = network.eval()
     save_model_file(tmp_path / "f.safetensors", network.state_dict(), network.architecture)
     images = np.random.default_rng(1).integers(0, 256, (18, 128, 128, 3), dtype=np.uint8)
-    features, classes = describe_images(
-        load_substance_network(tmp_path / "f.safetensors"), list(images)
-    )
+    loaded = load_substance_network(tmp_path / "f.safetensors")
+    features, classes = describe_images(loaded, list(images))
     for value in network.state_dict().values():  # weights are stored as float16
         if value.is_floating_point():
             value.copy_(value.half().float())

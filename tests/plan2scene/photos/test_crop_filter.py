@@ -57,17 +57,13 @@ def test_shadow_edges_and_things_of_another_colour_divide_a_crop():
     assert step_of(checker(32)) is None
 
 
-def planks(width=21, seed=3):
-    rng = np.random.default_rng(seed)
-    shade = np.repeat(rng.uniform(0.8, 1.1, 8), width)[:128]
+def test_planks_of_several_shades_are_no_shadow_but_a_shadow_on_them_is():
+    rng = np.random.default_rng(3)
+    shade = np.repeat(rng.uniform(0.8, 1.1, 8), 21)[:128]
     grain = cv2.GaussianBlur(rng.normal(0, 1, (128, 128)), (0, 0), sigmaX=1.0, sigmaY=9.0)
     values = np.array((150, 120, 90)) * (shade[None, :] * np.exp(1.2 * grain))[..., None]
-    values[:, ::width] *= 0.6
-    return np.clip(values, 0, 255).astype(np.uint8)
-
-
-def test_planks_of_several_shades_are_no_shadow_but_a_shadow_on_them_is():
-    floor = planks()
+    values[:, ::21] *= 0.6
+    floor = np.clip(values, 0, 255).astype(np.uint8)
     assert image_reasons(floor, joints=True) == []
     grey = np.repeat(floor.mean(axis=2, keepdims=True), 3, axis=2)
     grey[:, :60] *= 0.35

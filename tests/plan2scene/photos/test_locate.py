@@ -47,9 +47,8 @@ def test_probabilities_round_trip(tmp_path):
     rng = np.random.default_rng(0)
     values = rng.dirichlet(np.ones(6), (4, 5)).transpose(2, 0, 1).astype(np.float32)
     palette.write_probability_png(tmp_path / "a.png", values)
-    np.testing.assert_allclose(
-        palette.read_probability_png(tmp_path / "a.png"), values, atol=0.5 / 255
-    )
+    found = palette.read_probability_png(tmp_path / "a.png")
+    np.testing.assert_allclose(found, values, atol=0.5 / 255)
     palette.write_probability_png(tmp_path / "b.png", values[:5])
     with pytest.raises(InputError, match="rows of 6 labels"):
         palette.read_probability_png(tmp_path / "b.png")

@@ -98,9 +98,8 @@ def slanting(zigzag, seed, joint=0.2):
     y, x = np.mgrid[:SIZE_PX, :SIZE_PX] / JOINTS.px_per_m
     number, u, v, edge = (np.asarray(part) for part in zigzag.planks(x, y))
     key = (number[..., 0] * 7919 + number[..., 1] * 104729) % 8192
-    return made_of(
-        bonds.Layout(key, u, v, edge.astype(np.float32), SIDE_M), seed, turned=True, joint=joint
-    )
+    layout = bonds.Layout(key, u, v, edge.astype(np.float32), SIDE_M)
+    return made_of(layout, seed, turned=True, joint=joint)
 
 
 def zigzags():

@@ -95,9 +95,8 @@ def test_furniture_along_the_foot_hides_no_corner():
 def test_through_a_door_nothing_is_the_rooms():
     _, pose, labels, ends = open_door_view()
     camera = pose.camera.with_rotation(canonical(pose.camera.matrix))
-    planes = split_planes(
-        labels, camera, room_height_m=HEIGHT, room_extent_m=(WIDE, DEEP), camera_height_m=1.5
-    )
+    sizes = dict(room_height_m=HEIGHT, room_extent_m=(WIDE, DEEP))
+    planes = split_planes(labels, camera, **sizes, camera_height_m=1.5)
     floor = next(plane for plane in planes if plane.surface == "floor")
     behind = ends[..., 0] > WIDE + 0.3
     assert (behind & (labels == 1)).sum() > 100 and (floor.mask & behind).sum() == 0

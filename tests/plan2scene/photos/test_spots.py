@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
-from box_room import SIZE, box_house, rendered
+from box_room import SIZE, box_house, shot
 from views import camera_looking
 
 from plan2scene.photos.camera.calibration import canonical
-from plan2scene.photos.locate.locate_photos import Shot, locate_shots
+from plan2scene.photos.locate.locate_photos import locate_shots
 from plan2scene.photos.locate.spots import spots_of
 from plan2scene.photos.matches import (
     Points,
@@ -19,6 +19,7 @@ from plan2scene.photos.matches import (
 #: Headings of photos, degrees, and how their frames turn into each other.
 HEADINGS = {"a": 10.0, "b": 62.0, "c": 118.0}
 FOCAL = 150.0
+LENS = dict(pitch_deg=4.0, fov_deg=2 * np.degrees(np.arctan(SIZE[1] / 2 / FOCAL)))
 
 
 def photographed(eye, heading_deg, points, looks):
@@ -95,45 +96,27 @@ def test_points_of_one_wall_are_found_again_but_not_a_watermark():
 def test_a_photo_that_sees_what_another_sees_has_a_heading_that_goes_with_it():
     house = box_house()
     places = {"clear.jpg": (60.0, (4.2, 1.3, 0.7)), "corner.jpg": (15.0, (0.6, 1.5, 2.9))}
-    cameras = {
-        name: camera_looking(SIZE, heading_deg=heading, pitch_deg=4.0, focal=FOCAL)
-        for name, (heading, _) in places.items()
-    }
-    shots = {
-        name: Shot(
-            true.with_rotation(canonical(true.matrix)),
-            rendered(house, true, np.array(places[name][1])),
-            ("room",),
-        )
-        for name, true in cameras.items()
-    }
+    found = {name: shot(house, *place, **LENS) for name, place in places.items()}
+    shots = {name: photo for name, (photo, _) in found.items()}
     turned = {("clear.jpg", "corner.jpg"): (turn_of(15.0) - turn_of(60.0)) % 4}
     alone = locate_shots(house, shots).poses
     tied = locate_shots(house, shots, same_things=turned).poses
     assert not alone["corner.jpg"].believed and tied["corner.jpg"].believed
-    np.testing.assert_allclose(
-        tied["corner.jpg"].camera.matrix, cameras["corner.jpg"].matrix, atol=1e-6
-    )
+    true = found["corner.jpg"][1].matrix
+    np.testing.assert_allclose(tied["corner.jpg"].camera.matrix, true, atol=1e-6)
 
 
 def test_a_photo_that_tells_nothing_is_located_by_another_of_its_spot():
     house, eye = box_house(), np.array([0.6, 1.5, 2.9])
-    cameras = {
-        name: camera_looking(SIZE, heading_deg=heading, pitch_deg=4.0, focal=FOCAL)
-        for name, heading in (("clear.jpg", 230.0), ("blank.jpg", 15.0))
-    }
-    shots = {
-        name: Shot(
-            true.with_rotation(canonical(true.matrix)), rendered(house, true, eye), ("room",)
-        )
-        for name, true in cameras.items()
-    }
+    views = {"clear.jpg": 230.0, "blank.jpg": 15.0}
+    found = {name: shot(house, heading, eye, **LENS) for name, heading in views.items()}
+    shots = {name: photo for name, (photo, _) in found.items()}
     blank = shots["blank.jpg"]
     quarters = {("blank.jpg", "clear.jpg"): (turn_of(230.0) - turn_of(15.0)) % 4}
     alone = locate_shots(house, {"blank.jpg": blank}).poses["blank.jpg"]
     together = locate_shots(house, shots, same_spot=quarters).poses
     assert not alone.believed and together["blank.jpg"].believed
-    for name, true in cameras.items():
+    for name, (_, true) in found.items():
         np.testing.assert_allclose(together[name].camera.matrix, true.matrix, atol=1e-6)
         np.testing.assert_allclose(together[name].eye, eye, atol=0.1)
 

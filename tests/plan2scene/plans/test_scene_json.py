@@ -121,9 +121,8 @@ def test_same_hole_on_both_rooms_walls(tmp_path):
 def test_relations_come_from_geometry_without_rdr(tmp_path):
     document = arch()
     del document["rdr"]
-    document["elements"][5]["holes"] = [
-        {"id": "front", "type": "Door", "box": {"min": [1, 0], "max": [2, 2]}}
-    ]
+    box = {"min": [1, 0], "max": [2, 2]}
+    document["elements"][5]["holes"] = [{"id": "front", "type": "Door", "box": box}]
     house, warnings = read(tmp_path, document)
     assert set(house.doors) == {Door("a", "door", "b"), Door("a", "front", None)}
     assert len(warnings) == 1

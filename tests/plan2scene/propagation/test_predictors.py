@@ -84,9 +84,8 @@ def test_confidence_grows_with_surfaces_of_the_kind():
     few = graph.observed.copy()
     few[1:, 2] = False
     less = replace(graph, observed=few, embeddings=graph.embeddings * few[..., None])
-    assert (
-        0 < predictors.PREDICTORS["house"](less, stubborn(0.95), MEANS).confidence[-1, 2] < sure < 1
-    )
+    found = predictors.PREDICTORS["house"](less, stubborn(0.95), MEANS)
+    assert 0 < found.confidence[-1, 2] < sure < 1
 
 
 @pytest.mark.parametrize("name", sorted(predictors.PREDICTORS))

@@ -20,10 +20,8 @@ def test_colours_and_spectrum_become_the_crops(substance, seed):
     assert color_distance(made, crop) < 0.08
     assert freq_distance(made, crop) < 0.6 * freq_distance(tile, crop)
     for channel in range(3):
-        gap = np.sort(made[..., channel].ravel()).astype(float) - np.sort(
-            crop[..., channel].ravel()
-        )
-        assert np.abs(gap).mean() < 1.5
+        d = np.sort(made[..., channel].ravel()).astype(float) - np.sort(crop[..., channel].ravel())
+        assert np.abs(d).mean() < 1.5
 
 
 def test_what_repeats_still_repeats_the_same_again():

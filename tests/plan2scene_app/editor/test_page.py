@@ -39,8 +39,8 @@ def test_the_policy_allows_the_page_itself_and_nothing_else(tmp_path):
     rules = dict(rule.strip().split(" ", 1) for rule in policy.split(";"))
     assert rules["default-src"] == "'none'" and rules["img-src"] == "data: blob:"
     for tag, source in (("style", "style-src"), ('script type="module"', "script-src")):
-        text = re.search(rf"<{tag}>(.*?)</{tag.split()[0]}>", page, re.S)[1]
-        digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
+        raw = re.search(rf"<{tag}>(.*?)</{tag.split()[0]}>", page, re.S)[1]
+        digest = base64.b64encode(hashlib.sha256(raw.encode()).digest()).decode()
         assert rules[source] == f"'sha256-{digest}'"
     assert not re.search(r"(src|href)=\"?https?:|@import|\bfetch\(|XMLHttpRequest|WebSocket", page)
     assert "<script>alert" not in page and block(page, "start")["house"] == NAME

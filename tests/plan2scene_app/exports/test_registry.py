@@ -30,13 +30,11 @@ def files_of(folder):
 def test_command_writes_what_the_registry_says_the_same_bytes_again(made, name):
     if name in ("usd", "ifc"):
         pytest.importorskip({"usd": "pxr", "ifc": "ifcopenshell"}[name])
-    result = CliRunner().invoke(app, ["export", str(made), "--to", name])
-    assert result.exit_code == 0, result.output
+    run = CliRunner().invoke(app, ["export", str(made), "--to", name])
+    assert run.exit_code == 0, run.output
     written = {p.name + "/" * p.is_dir() for p in (made / name).iterdir()}
     assert written == {RECORD, *exports()[name].files}
-    assert result.output.split() == [
-        str(made / name / f.rstrip("/")) for f in exports()[name].files
-    ]
+    assert run.output.split() == [str(made / name / f.rstrip("/")) for f in exports()[name].files]
     first = files_of(made / name)
     assert CliRunner().invoke(app, ["export", str(made), "--to", name]).exit_code == 0
     assert files_of(made / name) == first

@@ -104,9 +104,8 @@ def test_each_photo_has_a_row_of_framed_windows_or_says_why_it_was_left_out(case
     assert sheet.shape == (layout.HEADER + 4 * layout.ROW, layout.WIDTH, 3)
     found = frames(sheet, 0)
     assert sorted(found[: layout.COLUMNS][:3]) == sorted([SELECTED, SELECTED, LAST_RESORT])
-    assert (
-        found[layout.COLUMNS : layout.COLUMNS + 3] == [REJECTED] * 3 and SELECTED not in found[3:]
-    )
+    assert found[layout.COLUMNS : layout.COLUMNS + 3] == [REJECTED] * 3
+    assert SELECTED not in found[3:]
     assert not {SELECTED, LAST_RESORT, REJECTED} & set(frames(sheet, 1))
     for row in (1, 2, 3):
         top = layout.HEADER + row * layout.ROW

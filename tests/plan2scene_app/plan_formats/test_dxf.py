@@ -228,9 +228,8 @@ def test_curves_and_solids(tmp_path):
     """A spline closes a room, 3D faces and solids are no part of a plan."""
     doc = document(6)
     space = doc.modelspace()
-    space.add_spline(
-        [(0, 0, 5), (4, 0, 5), (4, 3, 5), (0, 3, 5), (0, 0, 5)], dxfattribs={"layer": "ROOM"}
-    )
+    ring = [(0, 0, 5), (4, 0, 5), (4, 3, 5), (0, 3, 5), (0, 0, 5)]
+    space.add_spline(ring, dxfattribs={"layer": "ROOM"})
     space.add_3dface([(0, 0, 0), (9, 0, 1), (9, 9, 2), (0, 9, 9)], dxfattribs={"layer": "WALL"})
     space.add_ellipse((0, 0), (1, 0), 0.5, dxfattribs={"layer": "FURNITURE"})
     assert 8 < room_polygon(read_plan(saved(doc, tmp_path), "h1").rooms[0]).area < 20

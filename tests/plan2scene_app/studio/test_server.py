@@ -136,9 +136,8 @@ def test_results_are_given_and_zipped(studio, home):
     (house / "textures" / "hall_floor.png").write_bytes(b"png")
     assert studio.ask("GET", f"{home}/results/house.glb") == (200, b"glTF")
     studio.ask("GET", f"{home}/results/viewer.html")
-    assert studio.headers["content-security-policy"].startswith(
-        "sandbox allow-scripts allow-downloads;"
-    )
+    policy = studio.headers["content-security-policy"]
+    assert policy.startswith("sandbox allow-scripts allow-downloads;")
     _, content = studio.ask("GET", f"{home}/zip")
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
         assert set(archive.namelist()) == {

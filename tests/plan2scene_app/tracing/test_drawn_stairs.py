@@ -72,6 +72,5 @@ def test_a_flight_ends_before_a_wall_and_lies_in_a_room():
     rooms = [room(1, 1, 50, 10, 140, 122), room(2, 2, 200, 44, 300, 112)]
     (flight,) = flights_of(find_treads(page_with_treads(9, 8), PPM), rooms, STOREYS, 1 / PPM)
     assert flight.end[1] == pytest.approx(112 - 0.35 * PPM, abs=1)  # one steps off before it
-    assert (
-        flights_of(find_treads(page_with_treads(9, 8, left=160), PPM), rooms, STOREYS, 0.03) == []
-    )
+    treads = find_treads(page_with_treads(9, 8, left=160), PPM)
+    assert flights_of(treads, rooms, STOREYS, 0.03) == []

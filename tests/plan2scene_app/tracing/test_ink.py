@@ -254,9 +254,8 @@ def test_the_slanted_lines_of_a_bay_are_no_panes():
     cv2.line(page, (180, 33), (189, 28), (0, 0, 0), 1)
     cv2.line(page, (224, 33), (215, 28), (0, 0, 0), 1)
     regions, polygons, openings = traced(labels)
-    assert (
-        marks.with_sliding_doors(openings, polygons, page, regions.wall_px, PPM, set()) == openings
-    )
+    found = marks.with_sliding_doors(openings, polygons, page, regions.wall_px, PPM, set())
+    assert found == openings
 
 
 def test_the_outline_of_an_island_is_no_wall_but_a_pillar_is():

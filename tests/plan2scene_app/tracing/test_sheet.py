@@ -66,9 +66,8 @@ def test_the_bars_of_a_screenshot_are_cut_off():
     screen = np.full((600, 700, 3), 30, np.uint8)
     screen[100:450, 120:620] = flat_picture()
     sheet = find_sheet(screen)
-    assert sheet.corners == pytest.approx(
-        np.array([[120, 100], [619, 100], [619, 449], [120, 449]]), abs=5
-    )
+    true = np.array([[120, 100], [619, 100], [619, 449], [120, 449]])
+    assert sheet.corners == pytest.approx(true, abs=5)
     assert sheet.size[0] / sheet.size[1] == pytest.approx(500 / 350, rel=0.02)
 
 

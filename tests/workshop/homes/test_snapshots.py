@@ -49,9 +49,8 @@ def test_a_house_of_snapshots_is_a_data_set(tmp_path, monkeypatch, targets):
     truth = tmp_path / "truth" / "train" / "h_1"
     cameras = read_json(truth / "cameras.json")
     assert sorted(read_table(tmp_path / "houses.tsv")["h_1"].photos) == sorted(cameras)
-    assert len(cameras) >= 2 and {c["room_id"] for c in cameras.values()} <= {
-        room.id for room in house.rooms
-    }
+    rooms = {camera["room_id"] for camera in cameras.values()}
+    assert len(cameras) >= 2 and rooms <= {room.id for room in house.rooms}
     folders = {"masks", "amodal", "normals", "depth"} if targets else {"masks"}
     assert {path.name for path in truth.iterdir() if path.is_dir()} == folders
     for name in cameras:

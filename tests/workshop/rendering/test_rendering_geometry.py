@@ -37,9 +37,7 @@ def test_furniture_stays_inside_and_clear_of_the_camera(seed):
     rng = np.random.default_rng(seed)
     geometry = Geometry()
     faces = wall_faces(house, room)
-    furnish_room(
-        geometry, room, faces, draw_palette(rng), rng, [camera], random_room=bool(seed % 2)
-    )
+    furnish_room(geometry, room, faces, draw_palette(rng), rng, [camera], random_room=seed % 2 == 1)
     vertices = np.concatenate([g.solid.vertices for g in geometry.joined().values()])
     inside = shapely.Polygon(room.rings[0])
     points = shapely.points(vertices[:, 0], vertices[:, 2])
