@@ -30,6 +30,7 @@ def test_a_failed_write_leaves_the_old_file_and_a_long_name_can_be_written(tmp_p
         temporary.write_text("half")
         raise RuntimeError
     assert path.read_text() == "old" and list(tmp_path.iterdir()) == [path]
+    path.unlink()
     p2s_io.write_text(tmp_path / ("n" * 251 + ".txt"), "whole")
     assert [p.read_text() for p in tmp_path.iterdir()] == ["whole"]
 

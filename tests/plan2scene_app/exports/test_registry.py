@@ -40,11 +40,11 @@ def test_command_writes_what_the_registry_says_the_same_bytes_again(made, name):
     assert files_of(made / name) == first
 
 
-def test_an_unknown_form_and_a_folder_of_something_else_are_refused(made, tmp_path):
+def test_an_unknown_form_and_a_folder_of_something_else_are_refused(made):
     with pytest.raises(InputError, match=f"expected one of {', '.join(exports())}, found 'fbx'"):
         export_house(made / "house.scene.json", made / "textures", made / "x", "fbx", house_id="h")
     assert not (made / "x").exists()
-    result = CliRunner().invoke(app, ["export", str(tmp_path), "--to", "map"])
+    result = CliRunner().invoke(app, ["export", str(made / "textures"), "--to", "map"])
     assert isinstance(result.exception, InputError)
     assert "no house.scene.json" in str(result.exception)
 
