@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 #: Most pages that are examined, and pixels of the longer side of a rendered page.
 _MAX_PAGES, _PAGE_SIDE = 40, 3000
+#: Most pieces of text of a page that are read, and the gap between two words over their height.
+_MAX_TEXTS, _SPACE = 3000, 0.12
 
 
 def is_pdf(path: str | Path) -> bool:
@@ -58,6 +60,44 @@ def page_picture(number: int | None = None) -> Callable[[Any], Image.Image]:
     Without its `number`, from 1, it is the page with the most vector paths.
     """
     return partial(_rendered, number=number)
+
+
+def page_texts(path: str | Path, number: int) -> list[tuple[str, np.ndarray]]:
+    """Return the texts of a page that are letters in the file, not drawn, with their boxes.
+
+    Pieces of one line are joined. A box (4,) is left, top, right, bottom in pixels of the rendered
+    page. There are none for a page that is stored turned.
+    """
+    with (
+        importlib.import_module("pypdfium2").PdfDocument(path) as document,
+        closing(document[number - 1]) as page,
+        closing(page.get_textpage()) as text,
+    ):
+        if page.get_rotation():
+            return []
+        rects = [text.get_rect(k) for k in range(min(text.count_rects(), _MAX_TEXTS))]
+        words = [(text.get_text_bounded(*rect).strip(), rect) for rect in rects]
+        left, bottom, right, top = page.get_cropbox()
+    zoom = _PAGE_SIDE / max(right - left, top - bottom)
+    lines: list[tuple[str, np.ndarray]] = []
+    for word, (x0, y0, x1, y1) in words:
+        if not word:
+            continue
+        box = np.array([x0 - left, top - y1, x1 - left, top - y0]) * zoom
+        if lines and _goes_on(lines[-1][1], box):
+            before, begun = lines.pop()
+            apart = " " if box[0] - begun[2] > _SPACE * (box[3] - box[1]) else ""
+            word = before + apart + word
+            box = np.concatenate([np.minimum(begun, box)[:2], np.maximum(begun, box)[2:]])
+        lines.append((word, box))
+    return lines
+
+
+def _goes_on(line: np.ndarray, box: np.ndarray) -> bool:
+    """Return whether a box (4,) is the next piece of a line's box (4,)."""
+    high = min(line[3] - line[1], box[3] - box[1])
+    level = min(line[3], box[3]) - max(line[1], box[1]) > 0.5 * high
+    return bool(level and -high < box[0] - line[2] < high)
 
 
 def _rendered(path: Any, number: int | None) -> Image.Image:

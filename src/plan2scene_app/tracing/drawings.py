@@ -111,7 +111,7 @@ def on_one_page(pictures: Sequence[PlanPicture]) -> PlanPicture:
     Those of one size have one scale, so that a pixel of the page is `shrunk` pixels of their files;
     others are made equally long.
     """
-    images = []
+    images, texts = [], []
     one_scale = len({picture.file_size for picture in pictures}) == 1
     one_scale &= all(picture.sheet is None for picture in pictures)
     coarsest = max(picture.shrunk for picture in pictures)
@@ -122,6 +122,7 @@ def on_one_page(pictures: Sequence[PlanPicture]) -> PlanPicture:
         image = np.minimum(image * (255.0 / paper), 255.0).astype(np.uint8)
         zoom = picture.shrunk / coarsest if one_scale else shortest / max(image.shape[:2])
         images.append(cv2.resize(image, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA))
+        texts.append([line.moved(zoom) for line in picture.texts])
     sizes = np.array([image.shape[:2] for image in images])
     gap = round(SETTINGS.page_gap * float(sizes.max()))
     axis = int(sizes[:, 1].sum() <= sizes[:, 0].sum())  # 1: side by side, 0: one below the other
@@ -129,10 +130,12 @@ def on_one_page(pictures: Sequence[PlanPicture]) -> PlanPicture:
     size[axis] = sizes[:, axis].sum() + gap * (len(images) + 1)
     page = np.full((*size, 3), 255, np.uint8)
     place = [gap, gap]
-    for image, (height, width) in zip(images, sizes, strict=True):
+    lines = []
+    for image, (height, width), own in zip(images, sizes, texts, strict=True):
         page[place[0] : place[0] + height, place[1] : place[1] + width] = image
+        lines += [line.moved(1.0, (place[1], place[0])) for line in own]
         place[axis] += image.shape[axis] + gap
-    return PlanPicture(page, coarsest)
+    return PlanPicture(page, coarsest, texts=tuple(lines))
 
 
 def shows_a_home(structure: np.ndarray) -> bool:

@@ -31,6 +31,11 @@ class TextLine:
         """Whether it is clearly higher than wide."""
         return self.size[1] > 1.3 * self.size[0]
 
+    def moved(self, zoom: float, by: tuple[float, float] = (0.0, 0.0)) -> TextLine:
+        """Return the line in a picture that is `zoom` times as large, then moved `by` pixels."""
+        x, y = (zoom * v + shift for v, shift in zip(self.middle, by, strict=True))
+        return replace(self, middle=(x, y), size=(zoom * self.size[0], zoom * self.size[1]))
+
 
 def reader_installed() -> bool:
     """Return whether text can be read."""
@@ -52,15 +57,16 @@ def read_lines(image: np.ndarray) -> list[TextLine]:
     lines = [_as_it_stands(image, line) for line in lines]
     again = filter(_is_sure, _read_turned(image, doubtful))
     lines += [line for line in again if not any(_holds(one, line) for one in lines)]
-    return [
-        TextLine(
-            line.text,
-            (line.middle[0] / factor, line.middle[1] / factor),
-            (line.size[0] / factor, line.size[1] / factor),
-            line.score,
-        )
-        for line in lines
-    ]
+    return [line.moved(1 / factor) for line in lines]
+
+
+def lines_of(image: np.ndarray, told: Sequence[TextLine]) -> list[TextLine]:
+    """Return the lines of a picture (h, w, 3) uint8 sRGB: `told` by its file, and further ones.
+
+    The further ones are read, if a reader is installed.
+    """
+    seen = read_lines(image) if reader_installed() else []
+    return [*told, *(line for line in seen if not any(_holds(one, line) for one in told))]
 
 
 def _holds(one: TextLine, other: TextLine) -> bool:

@@ -5,17 +5,16 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from plan2scene.errors import InputError
 from plan2scene_app.pdf import page_count, pages_by_lines
 from plan2scene_app.tracing.drawings import on_one_page, shows_a_home, storey_told
-from plan2scene_app.tracing.lettering import read_lines, reader_installed
+from plan2scene_app.tracing.lettering import lines_of
 from plan2scene_app.tracing.picture import (
     PlanPicture,
     dark_on_light,
@@ -63,9 +62,7 @@ def read_plan_pages(
     if len(pages) == 1:
         return homes[pages[0]].picture, pages
     joined = on_one_page([homes[number].picture for number in pages])
-    zoom = min(1.0, SETTINGS.long_side_px / max(joined.image.shape[:2]))
-    image = cv2.resize(joined.image, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA)
-    return replace(joined, image=image, shrunk=joined.shrunk / zoom), pages
+    return joined.resized(SETTINGS.long_side_px / max(joined.image.shape[:2])), pages
 
 
 @dataclass(frozen=True)
@@ -78,7 +75,7 @@ class _Home:
     @cached_property
     def texts(self) -> tuple[set[int], Counter[str]]:
         """Numbers of storeys that the page tells, and the words inside the home."""
-        lines = read_lines(dark_on_light(self.picture.image)) if reader_installed() else []
+        lines = lines_of(dark_on_light(self.picture.image), self.picture.texts)
         told = {height for line in lines if (height := storey_told(line.text)) is not None}
         zoom = self.structure.shape[0] / self.picture.image.shape[0]
         words: Counter[str] = Counter()

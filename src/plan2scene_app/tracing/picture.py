@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import cv2
@@ -13,7 +13,8 @@ from shapely.geometry import Polygon
 
 from plan2scene.errors import InputError
 from plan2scene.images import read_reduced_image
-from plan2scene_app.pdf import page_picture
+from plan2scene_app.pdf import is_pdf, page_picture, page_texts, pages_by_lines
+from plan2scene_app.tracing.lettering import TextLine
 from plan2scene_app.tracing.regions import Regions
 from plan2scene_app.tracing.settings import DOOR, OUTSIDE, ROOM, SETTINGS
 from plan2scene_app.tracing.sheet import Sheet, find_sheet, in_even_light
@@ -33,6 +34,15 @@ class PlanPicture:
     corner: tuple[float, float] = (0.0, 0.0)
     sheet: Sheet | None = None  #: in pixels of the file
     file_size: tuple[int, int] = (0, 0)  #: height and width of the file, pixels
+    texts: tuple[TextLine, ...] = ()  #: what a PDF holds as letters, in pixels of the picture
+
+    def resized(self, zoom: float) -> PlanPicture:
+        """Return the picture `zoom` times as large, at most 1."""
+        if zoom >= 1:
+            return self
+        image = cv2.resize(self.image, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA)
+        texts = tuple(line.moved(zoom) for line in self.texts)
+        return replace(self, image=image, shrunk=self.shrunk / zoom, texts=texts)
 
 
 def read_plan_picture(path: str | Path, page: int | None = None) -> PlanPicture:
@@ -57,15 +67,37 @@ def read_plan_picture(path: str | Path, page: int | None = None) -> PlanPicture:
         sheet, reduced = sheet.enlarged(reduced), reduced / fine
     rows, columns = _printed(image)
     image = image[rows, columns]
-    zoom = min(1.0, SETTINGS.long_side_px / max(image.shape[:2]))
-    if zoom < 1:
-        image = cv2.resize(image, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA)
+    corner = columns.start * reduced, rows.start * reduced
+    texts = () if sheet else _texts_of(path, page, corner, 1 / reduced)
+    picture = PlanPicture(image, reduced, corner, sheet, (height, width), texts)
+    picture = picture.resized(SETTINGS.long_side_px / max(image.shape[:2]))
+    image = picture.image
     grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
     low, high = np.percentile(cv2.blur(grey, (3, 3)), [0.2, 99.8])
     if high - low < SETTINGS.contrast:
         raise InputError("a picture of a floorplan", "an empty page", file=path)
-    corner = columns.start * reduced, rows.start * reduced
-    return PlanPicture(image, reduced / zoom, corner, sheet, (height, width))
+    return picture
+
+
+#: What is added to the width and height of letters in a PDF, over the smaller of them: their boxes
+#: are tight, and a line's box holds all of its ink.
+_MARGIN = 0.5
+
+
+def _texts_of(
+    path: str | Path, page: int | None, corner: tuple[float, float], zoom: float
+) -> tuple[TextLine, ...]:
+    """Return what a page of a PDF holds as letters, in pixels of its cut and resized picture."""
+    if not is_pdf(path):
+        return ()
+    lines = []
+    for text, box in page_texts(path, page or pages_by_lines(path)[0]):
+        x, y = (0.5 * (box[:2] + box[2:])).tolist()
+        width, height = (box[2:] - box[:2]).tolist()
+        margin = _MARGIN * min(width, height)
+        line = TextLine(text, (x, y), (width + margin, height + margin), 1.0)
+        lines.append(line.moved(zoom, (-corner[0] * zoom, -corner[1] * zoom)))
+    return tuple(lines)
 
 
 def _printed(image: np.ndarray) -> tuple[slice, slice]:

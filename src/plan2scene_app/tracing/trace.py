@@ -44,7 +44,7 @@ from plan2scene_app.tracing.ink import (
     with_whole_windows,
     without_standing_lines,
 )
-from plan2scene_app.tracing.lettering import TextLine, read_lines, reader_installed, without_text
+from plan2scene_app.tracing.lettering import TextLine, lines_of, reader_installed, without_text
 from plan2scene_app.tracing.named_areas import with_named_areas, without_counters
 from plan2scene_app.tracing.open_rooms import with_open_rooms
 from plan2scene_app.tracing.openings import TracedOpening, find_openings, within_walls
@@ -151,8 +151,8 @@ def trace_picture(
     segmenter = load_plan_segmenter(model or MODELS / f"{MODEL}.safetensors")
     picture, pages = read_plan_pages(path, segmenter)
     page = dark_on_light(picture.image)
-    read = reader_installed()
-    texts = read_lines(page) if read else []
+    texts = lines_of(page, picture.texts)
+    read = bool(picture.texts) or reader_installed()
     seen = _seen(without_text(page, texts), segmenter, texts)
     frame, probabilities, regions = seen.frame, seen.probabilities, seen.regions
     polygons = _polygons(seen)

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 from flat_picture import flat_picture
+from matplotlib.figure import Figure
 from PIL import Image
 
 from plan2scene.errors import InputError
-from plan2scene_app.tracing import pages, trace
+from plan2scene_app.tracing import lettering, pages
 from plan2scene_app.tracing.lettering import TextLine
 from plan2scene_app.tracing.trace import doubts, place_in_picture, trace_picture
 
@@ -28,9 +29,8 @@ def pdf(tmp_path, monkeypatch):
         words = ("Living 20 m2", "Kitchen") if window_right else ("Bedroom 9 m2", "Bath")
         return [TextLine(text, (0.3 * width, 0.5 * height), (80.0, 12.0), 0.99) for text in words]
 
-    monkeypatch.setattr(pages, "reader_installed", lambda: True)
-    monkeypatch.setattr(pages, "read_lines", lines)
-    monkeypatch.setattr(trace, "reader_installed", lambda: False)
+    monkeypatch.setattr(pages, "lines_of", lambda image, told: lines(image))
+    monkeypatch.setattr(lettering, "reader_installed", lambda: False)
 
     def made(*pictures):
         first, *more = (Image.fromarray(picture) for picture in pictures)
@@ -59,3 +59,20 @@ def test_a_single_page_with_a_home_is_read_as_a_picture_of_it(pdf):
 def test_a_pdf_without_a_home_is_refused_in_one_line(pdf):
     with pytest.raises(InputError, match=r"plan\.pdf: expected a picture of a floorplan, found"):
         trace_picture(pdf(TABLE, NOISE))
+
+
+def test_letters_of_a_pdf_are_read_in_any_script_without_a_reader(tmp_path, monkeypatch):
+    monkeypatch.setattr(lettering, "reader_installed", lambda: False)
+    figure = Figure(figsize=(10, 7))
+    figure.figimage(FLAT, resize=True)
+    for x, text in ((0.3, "Κουζίνα\n20,5 m²"), (0.7, "Спальня")):
+        figure.text(x, 0.5, text, ha="center", fontsize=9)
+    figure.savefig(tmp_path / "plan.pdf")
+    plan = trace_picture(tmp_path / "plan.pdf")
+    assert [(room.name, room.types) for room in plan.rooms] == [
+        ("Κουζίνα", ("Kitchen",)),
+        ("Спальня", ("Bedroom",)),
+    ]
+    assert not any("no text is read" in line for line in doubts(plan))
+    areas = [room.polygon.area * plan.metres**2 for room in plan.rooms]
+    assert areas[0] == pytest.approx(20.5, rel=0.05)

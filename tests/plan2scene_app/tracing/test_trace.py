@@ -37,7 +37,7 @@ def texts(monkeypatch):
         TextLine("Küche 19.4 m2", (350.0, 200.0), (90.0, 12.0), 0.99),
     ]
     monkeypatch.setattr(trace, "reader_installed", lambda: True)
-    monkeypatch.setattr(trace, "read_lines", lambda image: lines)
+    monkeypatch.setattr(trace, "lines_of", lambda image, told: lines)
 
 
 def test_a_drawing_becomes_a_plan_by_the_command_the_same_again(picture, texts, tmp_path):
