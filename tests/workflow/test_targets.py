@@ -84,7 +84,8 @@ def test_the_workflow_in_batches_leaves_the_table_to_the_last(bare):
 def test_the_catalog_plans_two_houses_of_the_demo(tmp_path):
     """Of the two houses of ``.test/``, which Snakemake's workflow catalog runs."""
     shutil.copytree(ROOT / ".test" / "config", tmp_path / ".test" / "config")
-    (tmp_path / "resources").symlink_to(ROOT / "resources")
+    for name in ("resources", "src"):
+        (tmp_path / name).symlink_to(ROOT / name)
     jobs = Clone(tmp_path).jobs("-s", str(ROOT / "Snakefile"), "--directory", ".test")
     assert {house for _, house in jobs if house} == {"flat_test_002", "flat_test_003"}
     assert ("paper_table", "") in jobs

@@ -12,8 +12,10 @@ import pandas as pd
 import pytest
 from browser import chromium
 from PIL import Image
+from sample_houses import rooms_in_a_row
 
 from plan2scene.errors import InputError
+from plan2scene.house import House
 from plan2scene.images import write_png
 from plan2scene.io import read_json, write_json
 from plan2scene_app.study import study
@@ -32,7 +34,9 @@ def _paint(folder, plan, level):
     return folder
 
 
-def test_a_sheet_has_plan_photos_and_a_render_by_each_method(plan, tmp_path):
+def test_a_sheet_has_plan_photos_and_a_render_by_each_method(tmp_path):
+    rooms = rooms_in_a_row(bed="Bedroom", hall="Corridor", bath="Bathroom", loft="Closet")
+    plan = House("h1", rooms, ())
     for name in ("b.jpg", "a.jpg"):
         Image.new("RGB", (640, 480), (200, 30, 30)).save(tmp_path / name)
     (tmp_path / "broken.jpg").write_text("no photo")
