@@ -51,7 +51,6 @@ def test_walls_are_split_where_rooms_meet_and_openings_lie_on_them(tmp_path):
         assert bounds == pytest.approx(room_polygon(room).length)
     assert {wall.depth for wall in house.walls} == {0.1}
     assert {room.height for room in house.rooms} == {2.8}
-    house = read(tmp_path, plan())
     found = {o.id: (o.kind, w.room_ids) for w in house.walls for o in w.openings}
     assert found == {"d": ("door", ("a", "b")), "opening_1": ("window", ("a",))}
     assert house.doors == (Door("a", "d", "b"),)
@@ -101,12 +100,10 @@ def test_an_opening_beside_its_wall_is_refused_and_one_over_its_end_is_cut(tmp_p
         ("", {"rooms": None}, ": expected array at rooms, found None"),
         ("rooms", {"types": ["Ballroom"]}, ", room a: expected a room type (Reception, Bedroom"),
         ("rooms", {"colour": "red"}, ", room a: expected only the keys id, name, types, polygon, "),
-        ("rooms", {"polygon": [[0, 0], [1, 0]]}, ", room a: expected minItems 3 at rooms[0].poly"),
         ("rooms", {"polygon": [[0, 0], [1, 0], [1e9, 1]]}, ", room a: expected a coordinate withi"),
         ("rooms", {"height": -1}, ", room a: expected exclusiveMinimum 0 at rooms[0].height, fou"),
         ("rooms", {"id": "a/b"}, ", room a/b: expected pattern"),
         ("openings", {"kind": "gate"}, ": expected one of door, window, passage at openings[0].k"),
-        ("openings", {"top": 0}, ": expected exclusiveMinimum 0 at openings[0].top, found 0"),
         ("openings", {"bottom": 3}, ": expected opening d with its top above its bottom, found 3"),
         ("openings", {"id": "opening_1"}, ": expected each opening id once, found opening_1 twice"),
         ("openings", {"from": [2, 8], "to": [2, 8]}, ": expected a wall within 0.2 m of opening d"),
