@@ -1,5 +1,4 @@
 import numpy as np
-import pytest
 
 from plan2scene.seeds import generator
 from plan2scene_app.tracing.settings import DOOR, LABEL_OF_TYPE, ROOM, WALL, WINDOW
@@ -8,23 +7,14 @@ from plan2scene_workshop.plans.drawing import draw_plan
 from plan2scene_workshop.plans.style import draw_style
 
 
-@pytest.fixture(scope="module")
-def house():
-    return generate_house("drawn_1", 3)
-
-
-@pytest.fixture(scope="module")
-def drawn(house):
-    rng = generator(0, "test drawing")
-    return draw_plan(house, draw_style(rng), 24.0, rng)
-
-
 def label_at(drawn, x, z):
     column, row = (np.array([x, z]) - drawn.origin) * drawn.ppm
     return int(drawn.labels[int(row), int(column)])
 
 
-def test_labels_are_of_the_rooms_and_the_openings_in_walls_that_close_them(drawn):
+def test_labels_are_of_the_rooms_and_the_openings_in_walls_that_close_them():
+    rng = generator(0, "test drawing")
+    drawn = draw_plan(generate_house("drawn_1", 3), draw_style(rng), 24.0, rng)
     for room, types in zip(drawn.plan.rooms, drawn.plan.types, strict=True):
         spot = room.buffer(-0.3).representative_point()
         assert label_at(drawn, spot.x, spot.y) == LABEL_OF_TYPE[types[0]]

@@ -101,20 +101,6 @@ def _write_data_set(root):
         write_label_png(truth / "masks" / f"{house}_a.png", photo.labels)
 
 
-@pytest.mark.parametrize(
-    ("wrong", "found"),
-    [
-        ({"runs": 0}, "found 0 runs"),
-        ({"start_share": 1.0}, "start_share 1.0"),
-        ({"distillation": 1.5}, "distillation 1.5"),
-        ({"mixing": 1.5}, "mixing 1.5"),
-    ],
-)
-def test_settings_out_of_range_are_refused_before_work(wrong, found):
-    with pytest.raises(InputError, match=found):
-        runs.averaged_runs([], [], SegmentationSettings(**wrong), seed=0)
-
-
 def test_a_trained_network_is_written_with_those_beside_it_and_goes_on_from_their_mean(tmp_path):
     _write_data_set(tmp_path / "data")
     other = SegmentationNet(attention=2, elevation=True, labels=len(LABELS_AND_OPENINGS))
@@ -181,14 +167,6 @@ def test_normals_depth_and_openings_are_read_where_there_are_some(tmp_path):
     assert photo.geometry is not None and photo.geometry.shape == (24, 32, 4)
     assert np.allclose(photo.geometry[0, 0], (1, 0, 0, 2.5), atol=0.01)
     assert photo.geometry[-1, 0].tolist() == [0, 0, 0, 2.5]
-
-
-def test_a_split_without_photos_is_an_error(tmp_path):
-    _write_data_set(tmp_path)
-    assert [p.name for p in read_labelled_photos(tmp_path, "val", long_side=32)] == ["h2_a.png"]
-    (tmp_path / "data_lists" / "val.txt").write_text("")
-    with pytest.raises(InputError, match=r"val\.txt"):
-        read_labelled_photos(tmp_path, "val", long_side=32)
 
 
 def test_amodal_labels_are_learned_where_there_are_some(tmp_path):

@@ -3,7 +3,6 @@ import pytest
 from model_folder import model_folder
 from sample_houses import reception_and_bedroom
 
-from plan2scene.errors import InputError
 from plan2scene.house import SurfaceKey
 from plan2scene.materials import Material
 from plan2scene_workshop.rendering import plan_views, render_house
@@ -96,12 +95,3 @@ def test_models_furnish_listings_and_keep_clear_of_cameras(tmp_path):
         assert away.min() > CAMERA_CLEARANCE[0] - 0.05
     (photo,) = _render(house, views[:1], decor=decor)
     assert photo.image.mean() > 40
-
-
-def test_missing_material_is_one_line():
-    house = reception_and_bedroom()
-    materials = _materials()
-    del materials[SurfaceKey("a", "wall")]
-    views = plan_views(house, ["a"], 1, 0)
-    with pytest.raises(InputError, match=r"house two, room a: expected a material of wall"):
-        next(render_house(house, materials, {}, views, 0, variant=VARIANT))

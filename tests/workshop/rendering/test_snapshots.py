@@ -1,16 +1,12 @@
 import numpy as np
 import pytest
 
-from plan2scene.photos.labels.palette import DOOR, OTHER
+from plan2scene.photos.labels.palette import OTHER
 from plan2scene_workshop.homes.floorplans import generate_house
 from plan2scene_workshop.homes.style import assign_materials
-from plan2scene_workshop.rendering.closets import add_closets
 from plan2scene_workshop.rendering.decor import draw_decor
 from plan2scene_workshop.rendering.geometry import Geometry, quad
-from plan2scene_workshop.rendering.lights import add_balcony
-from plan2scene_workshop.rendering.palette import draw_palette
 from plan2scene_workshop.rendering.quick import QuickTracer
-from plan2scene_workshop.rendering.shell import wall_faces
 from plan2scene_workshop.rendering.snapshots import shoot_room
 from plan2scene_workshop.rendering.sources import Sources
 from plan2scene_workshop.rendering.tracer import Finish, load_mitsuba
@@ -97,24 +93,3 @@ def test_textures_are_seen_the_right_way_up(mi):
     assert corners[0] == pytest.approx([red, 0, 0], abs=0.02)
     assert corners[1] == pytest.approx([0, 0, 0], abs=0.02)
     assert corners[3] == pytest.approx([0, 0, red], abs=0.02)
-
-
-def test_fitted_closets_are_doors_on_plain_walls():
-    house = generate_house("tiny", 3)
-    palette = draw_palette(np.random.default_rng(0))
-    faces = [face for room in house.rooms for face in wall_faces(house, room)]
-    geometry = Geometry()
-    for seed in range(4):
-        add_closets(geometry, faces, palette, np.random.default_rng(seed))
-    groups = geometry.joined().values()
-    assert groups and all((group.labels == DOOR).all() for group in groups)
-    tops = [group.solid.vertices[:, 1].max() for group in groups]
-    assert max(tops) < max(room.height for room in house.rooms)
-
-
-def test_a_balcony_hides_the_ground_and_leaves_the_sky():
-    sky = np.ones((64, 128, 3), np.float32)
-    floor, wall = np.zeros((8, 8, 3), np.uint8), np.full((8, 8, 3), 128, np.uint8)
-    view = add_balcony(sky, floor, wall, np.random.default_rng(0))
-    assert view.shape == sky.shape and view.dtype == np.float32
-    assert (view[-1] == 0).all() and (view[:20] == 1).all()
