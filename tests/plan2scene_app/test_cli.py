@@ -3,7 +3,7 @@ import json
 import numpy as np
 import pytest
 from PIL import Image
-from places import PLAN, ROOT
+from places import PLAN
 from typer.testing import CliRunner
 from unscaled_drawings import dxf
 
@@ -58,13 +58,6 @@ def test_masks_are_label_images_and_take_the_place_of_such_alone(tmp_path):
     assert (out / "room one.png").read_bytes() == before
 
 
-def test_texture_writes_a_tile(tmp_path):
-    crop, out = tmp_path / "crop.png", tmp_path / "tile.png"
-    Image.fromarray(random_material("wood", 2, size_px=256).albedo[:150, :150]).save(crop)
-    code, _ = call("texture", crop, crop, "--method", "crop", "--out", out)
-    assert code == 0 and Image.open(out).size == (128, 128)
-
-
 def test_check_tells_errors_by_its_exit_code_and_of_a_picture_that_it_is_traced(tmp_path):
     assert call("check", PLAN)[0] == 0
     plan = json.loads(PLAN.read_text())
@@ -103,20 +96,6 @@ def test_run_refuses_before_any_work_what_it_cannot_use(tmp_path, monkeypatch, c
 def test_a_house_id_that_is_no_file_name_is_refused(tmp_path, name):
     with pytest.raises(cli.InputError):
         call("run", "--plan", PLAN, "--out", tmp_path, "--house", name)
-
-
-def test_checkpoints_are_converted_and_those_of_other_networks_refused(tmp_path):
-    import torch
-
-    from plan2scene.propagation.graph_networks import PropagationNetwork
-
-    path, out = tmp_path / "gnn.ckpt", tmp_path / "o.safetensors"
-    torch.save({"model_state_dict": PropagationNetwork().state_dict()}, path)
-    means = ROOT / "resources" / "models" / "propagation.safetensors"
-    code, output = call("convert-checkpoint", "propagation", path, "--out", out, "--means", means)
-    assert (code, output.strip()) == (0, str(out)) and out.is_file()
-    with pytest.raises(InputError, match=r"tensor encoder\..* missing, 13 unknown"):
-        call("convert-checkpoint", "texture", path, "--out", tmp_path / "t.safetensors")
 
 
 @pytest.mark.parametrize("command", ["masks", "texture", "import", "trace", "convert-checkpoint"])
@@ -166,8 +145,6 @@ def test_dxf_layers_by_the_command_line(tmp_path):
     assert code == 0 and "2 rooms, 8 walls" in output
     call("import", plan, *layer, "--out", out)
     assert len(read_plan(out, "flat").rooms) == 2
-    call("edit", plan, *layer, "--out", tmp_path / "editor.html")
-    assert '"polygon":[[' in (tmp_path / "editor.html").read_text()
     for wrong in ("roofs=poly*", "rooms", "rooms=poly", f"rooms={301 * '*'}", "rooms="):
         with pytest.raises(InputError) as caught:
             call("import", plan, "--dxf-layer", wrong, "--out", out)

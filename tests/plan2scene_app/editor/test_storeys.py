@@ -1,7 +1,6 @@
 import json
 
 import pytest
-from places import STOREYS
 
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.validate import validate_house
@@ -101,20 +100,3 @@ def test_a_problem_leads_to_its_floor_and_a_floor_is_removed(two_floors):
     assert drawing.page.evaluate("editor.store.level") == "ground"
     drawing.press("Control+z")
     assert len(whole(drawing)["rooms"]) == 5
-
-
-def test_a_saved_house_of_two_storeys_opens_again(drawing):
-    plan = json.loads(STOREYS.read_text())
-    drawing.page.click("#open")
-    drawing.page.set_input_files("#file-input", STOREYS)
-    drawing.page.wait_for_function(f"() => {WHOLE}.rooms.length === 8")
-    assert drawing.page.evaluate("editor.problems") == []
-    opened = whole(drawing)
-    for room in opened["rooms"]:
-        assert room.pop("height") == 2.5
-    assert opened == plan
-    assert [room["id"] for room in drawing.plan["rooms"]] == ["hall", "living", "wc", "kitchen"]
-    drawing.click(0.45, 3)
-    assert drawing.page.evaluate("editor.selection.kind") == "stairs"
-    drawing.press("Delete")
-    assert "stairs" not in drawing.plan or drawing.plan["stairs"] == []

@@ -10,7 +10,7 @@ from unscaled_drawings import dxf
 
 from plan2scene.plans.formats import read_plan
 from plan2scene_app.finishes import LIBRARY
-from plan2scene_app.studio import app, runs
+from plan2scene_app.studio import runs
 
 #: Stands for the workflow, which takes minutes: tells what it tells, makes a GLB of the plan.
 TELL = """
@@ -117,20 +117,8 @@ def test_from_nothing_to_a_house_and_a_photo_moved(drawing, studio, tmp_path):
     assert (home / "photos.csv").read_text() == "room_id,photo\nroom_2,bed.jpg\n"
 
 
-def test_refused_photos_and_a_conflict_say_what_they_are(drawing, studio, tmp_path, monkeypatch):
+def test_a_conflict_is_told_and_theirs_can_be_taken(drawing, studio):
     page, home = drawing.page, home_of(studio, drawing)
-    monkeypatch.setattr(app, "MAX_PHOTO", 2_000)
-    page.reload()
-    page.wait_for_selector("body[data-ready]")
-    for name, content in (("corrupt.jpg", b"no picture"), ("large.jpg", bytes(3_000))):
-        (tmp_path / name).write_bytes(content)
-    page.evaluate("editor.pickPhotos(null)")
-    page.set_input_files("#file-input", sorted(tmp_path.iterdir()))
-    page.get_by_text("2 not added: see Photos.").wait_for()
-    page.locator("#panel .fault").nth(1).wait_for()  # they are drawn after the words
-    corrupt, large = page.locator("#panel .fault").all_inner_texts()
-    assert "found text" in corrupt and "at most 0.002 MB" in large
-    assert drawing.photos == []
     two_rooms(drawing)
     (home / "photos").mkdir(exist_ok=True)
     Image.new("RGB", (8, 8)).save(home / "photos" / "theirs.jpg")
@@ -332,20 +320,6 @@ def test_among_many_pictures_the_plans_of_the_storeys_are_found(drawing, studio,
     rows = np.asarray(Image.open(home / "plan_source").convert("L")).min(axis=1) < 128
     first, second, third = np.flatnonzero(np.diff(rows.astype(int)) == 1)
     assert second - first > third - second  # the ground floor, with two lines, is the first
-
-
-def test_the_only_page_among_photos_is_the_plan(drawing, tmp_path):
-    page = drawing.page
-    rng = np.random.default_rng(0)
-    for name in ("b.jpg", "floorplan.jpg"):
-        Image.fromarray(rng.integers(0, 255, (90, 120, 3), np.uint8)).save(tmp_path / name)
-    sheet = Image.new("RGB", (200, 150), "white")
-    sheet.paste("black", (40, 40, 160, 44))
-    sheet.save(tmp_path / "p07.png")
-    page.click("#open")
-    page.set_input_files("#file-input", sorted(tmp_path.iterdir()))
-    page.wait_for_function("() => editor.store.state.photos.length === 2")
-    assert sorted(photo["name"] for photo in drawing.photos) == ["b.jpg", "floorplan.jpg"]
 
 
 def test_a_brochure_gives_its_plan_and_its_photos(drawing, studio, tmp_path):

@@ -1,7 +1,10 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from sample_houses import one_room
 
-from plan2scene.house import House, Opening, Room, SurfaceKey, Wall
+from plan2scene.house import Opening, SurfaceKey
 from plan2scene.images import png_bytes
 from plan2scene.mesh.glb import write_glb
 from plan2scene.mesh.texture_files import TileTexture
@@ -15,13 +18,8 @@ def checks(first, second):
 
 @pytest.fixture
 def small_house():
-    ring = ((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0))
     window = Opening("win", "window", 1.0, 2.5, 0.9, 2.0)
-    walls = tuple(
-        Wall(f"w{k}", ("r",), ring[k], ring[(k + 1) % 4], 2.5, openings=(window,) * (k == 0))
-        for k in range(4)
-    )
-    return House("small", (Room("r", ("Bedroom",), (ring,), 2.5),), walls)
+    return replace(one_room("Bedroom", 4.0, 3.0, {0: [window]}, "r"), id="small")
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ from urllib.parse import unquote
 from index_page import index_page
 
 
-def make(tmp_path, small_house):
+def test_links_figures_and_escaping(tmp_path, small_house):
     folder = tmp_path / "houses" / "small"
     folder.mkdir(parents=True)
     files = "viewer.html house.glb house.scene.json preview.png rooms.jpg views.jpg"
@@ -13,11 +13,7 @@ def make(tmp_path, small_house):
     (tmp_path / "table.png").write_bytes(b"x")
     rows = "method,n,color,note\nsynth,12,0.123456,a<b\ncrop,7,,none\n"
     page = index_page(tmp_path, small_house, rows, "demo & more", "synth")
-    return page.read_text(encoding="utf-8")
-
-
-def test_links_figures_and_escaping(tmp_path, small_house):
-    page = make(tmp_path, small_house)
+    page = page.read_text(encoding="utf-8")
     links = re.findall(r'(?:href|src)="((?!data:)[^"]+)"', page)
     assert "houses/small/viewer.html" in links and "houses/small/house.glb" in links
     assert {"houses/small/preview.png", "houses/small/views.jpg"} <= set(links)
