@@ -17,16 +17,14 @@ def to_numpy(image):
 
 
 def test_hsv_is_the_standard_library_s_and_comes_back():
-    values = np.random.default_rng(0).random((9, 7, 3)).astype(np.float32)
-    values[0, 0] = 0.0
-    values[0, 1] = 1.0
-    values[0, 2] = 0.4
-    values[0, 3] = (1.0, 0.0, 0.0)
-    rgb = values
+    rgb = np.random.default_rng(0).random((9, 7, 3)).astype(np.float32)
+    rgb[0, 0] = 0.0
+    rgb[0, 1] = 1.0
+    rgb[0, 2] = 0.4
+    rgb[0, 3] = (1.0, 0.0, 0.0)
     expected = [colorsys.rgb_to_hsv(*pixel) for pixel in rgb.reshape(-1, 3).astype(float)]
-    hsv = to_numpy(hsv_space.rgb_to_hsv(to_torch(rgb)))
-    np.testing.assert_allclose(hsv.reshape(-1, 3), expected, atol=1e-5)
     hsv = hsv_space.rgb_to_hsv(to_torch(rgb))
+    np.testing.assert_allclose(to_numpy(hsv).reshape(-1, 3), expected, atol=1e-5)
     np.testing.assert_allclose(to_numpy(hsv_space.hsv_to_rgb(hsv)), rgb, atol=1e-6)
     turned = hsv + torch.tensor([1.0, 0.0, 0.0]).view(1, 3, 1, 1)
     np.testing.assert_allclose(to_numpy(hsv_space.hsv_to_rgb(turned)), rgb, atol=1e-5)

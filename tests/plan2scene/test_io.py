@@ -81,14 +81,6 @@ def test_what_a_killed_process_left_goes_and_that_of_a_live_one_stays(tmp_path):
         assert {p.name for p in tmp_path.iterdir()} == {"x.png", "x.png.d", mine.name}
 
 
-def test_parquet_round_trip_with_metadata(tmp_path):
-    frame = pd.DataFrame({"a": [1, 2], "v": [[0.5, 1.0], [2.0]]})
-    p2s_io.write_parquet(tmp_path / "x.parquet", frame, {"house": "h"})
-    back, metadata = p2s_io.read_parquet(tmp_path / "x.parquet")
-    assert metadata == {"schema_version": 1, "house": "h"}
-    assert [list(v) for v in back["v"]] == [[0.5, 1.0], [2.0]]
-
-
 def test_damaged_and_foreign_parquet_files_are_named_with_what_helps(tmp_path):
     path = tmp_path / "x.parquet"
     p2s_io.write_parquet(path, pd.DataFrame({"a": range(999)}), {})

@@ -39,13 +39,11 @@ def test_copies_follow_the_contents_of_what_is_given_whatever_their_time(given):
     prepare(request(given / "2"), ["a.jpg", "b.jpg"], work)
     for name, copy in copies.items():
         assert copy.read_text() == f"{name} 2" and copy.stat().st_mtime_ns > before[name]
-    work = given / "work"
     prepare(request(given / "1"), ["a.jpg"], work)
     before = (work / "dataset/photos/a.jpg").stat().st_mtime_ns
     os.utime(given / "1" / "a.jpg", (10, 10))
     prepare(request(given / "1"), ["a.jpg"], work)
     assert (work / "dataset/photos/a.jpg").stat().st_mtime_ns == before
-    work = given / "work"
     prepare(request(given / "1"), ["a.jpg", "b.jpg"], work)
     (given / "1" / "b.jpg").unlink()
     prepare(request(given / "1"), ["a.jpg", "b.jpg"], work)

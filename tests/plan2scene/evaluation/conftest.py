@@ -12,7 +12,6 @@ from plan2scene.house import Door, House, Opening, Wall
 from plan2scene.images import png_bytes
 from plan2scene.io import write_parquet
 from plan2scene.metrics.substance_network import SubstanceNetwork
-from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene.propagation.graph_networks import PropagationNetwork, save_propagation
 from plan2scene.propagation.type_means import TypeMeans
@@ -103,11 +102,6 @@ def embeddings(files):
 @pytest.fixture(scope="session")
 def references(files):
     return files.scene.with_name("reference_features.parquet")
-
-
-@pytest.fixture(scope="session")
-def plan(files):
-    return read_scene_json(files.scene, "h1")
 
 
 @pytest.fixture(scope="session")

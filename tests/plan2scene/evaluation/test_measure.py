@@ -13,7 +13,6 @@ from plan2scene.house import SurfaceKey
 from plan2scene.images import png_bytes
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.metrics.color_freq_tile import color_distance, freq_distance, tile_score
-from plan2scene.metrics.registry import METRICS
 from plan2scene.metrics.substance_network import SubstanceNetwork
 from plan2scene.weights import save_model_file
 
@@ -152,16 +151,6 @@ def test_table_counts_and_averages_the_right_surfaces(results):
     assert float(row["KID (embedded)"]) == pytest.approx(cells["synth", "all", "KID"], abs=1e-3)
     assert float(row["FID (embedded)"]) == pytest.approx(cells["synth", "all", "FID"], abs=1e-3)
     assert (results / "tables" / "t.png").stat().st_size > 5000
-
-
-def test_a_method_that_the_paper_has_not_reads_none(results):
-    _rewritten(results, lambda frame: frame.replace({"method": {"crop": "exemplar"}}))
-    _, wide = _table(results, _request(methods=(*METHODS, "exemplar")))
-    rows = wide[wide["method"] == "exemplar"]
-    assert len(rows) == 3
-    for name in METRICS:
-        assert set(rows[f"{name} published"]) == {"none"}
-    assert float(rows.iloc[0]["COLOR"]) == float(wide[wide["method"] == "synth"].iloc[0]["COLOR"])
 
 
 def test_missing_houses_and_empty_columns_are_named(results):

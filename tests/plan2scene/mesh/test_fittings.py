@@ -3,22 +3,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from sample_houses import one_room
 
-from plan2scene.house import House, IconBox, Room
+from plan2scene.house import IconBox
 from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.fittings import KINDS
 
 
 @pytest.fixture
-def room_of_four(shared_house):
-    room = Room("r", ("Bathroom",), (((0.0, 0.0), (3.0, 0.0), (3.0, 4.0), (0.0, 4.0)),), 2.5)
-    walls = [w for w in shared_house.walls if w.id.startswith("a_")]
-    ring = room.rings[0]
-    walls = tuple(
-        replace(walls[0], id=f"w{k}", room_ids=("r",), start=ring[k], end=ring[(k + 1) % 4])
-        for k in range(4)
-    )
-    return House("h", (room,), walls)
+def room_of_four():
+    return one_room("Bathroom", 3.0, 4.0, name="r")
 
 
 def objects_of(house, *icons):

@@ -72,7 +72,6 @@ def test_of_a_one_point_view_exif_tells_the_focal_length():
     camera = estimate_camera(image)
     assert not camera.fallback and angle_deg(camera.matrix, truth) < 1.0
     assert camera.confidence < CAMERA.high_confidence
-    truth = rotation_of(0.0, 0.0, 0.0)
     image, focal = checker_room((0.0, 0.0, 0.0), 70.0, eye=(0.0, 1.3, -2.0))
     camera = estimate_camera(image, exif=ExifFocal(focal))
     assert camera.focal_source == "exif" and camera.focal_px == pytest.approx(focal, abs=1e-3)

@@ -30,15 +30,6 @@ def test_a_large_photo_is_reduced(tmp_path, small_limits, monkeypatch, name):
     assert whole.shape == found.shape and np.abs(found.astype(int) - whole).mean() < 3
 
 
-def test_it_is_upright(tmp_path, small_limits):
-    exif = Image.Exif()
-    exif[0x0112] = 6  # the left edge is the top
-    picture().save(tmp_path / "a.jpg", exif=exif)
-    found = photo_files.read_photo(tmp_path / "a.jpg")
-    assert found.shape == (100, 75, 3)
-    assert found[5:20, :, 0].mean() > 150 > 60 > found[60:, :, 0].mean()
-
-
 def test_what_cannot_be_reduced_as_it_is_read_is_one_line(tmp_path, small_limits, monkeypatch):
     Image.fromarray(np.full((600, 800), 900, np.uint16)).save(tmp_path / "a.png")
     with pytest.raises(InputError, match="mode I;16 of so many pixels"):

@@ -19,8 +19,6 @@ def test_every_pixel_lies_on_its_plane_and_in_its_room_whose_walls_are_named():
         np.testing.assert_allclose(off, 0.0, atol=1e-6)
         assert ((points[:, 0] > WIDE + 0.05) == (item.rooms[0] == "store")).all()
         assert item.plane.scale_source == "plan"
-    house, pose, labels, _ = open_door_view()
-    found = seen_planes(labels, pose, room_shapes(house))
     ends = {wall.id: np.array([wall.start, wall.end]) for wall in house.walls}
     named = [item for item in found if item.walls]
     assert named and {item.rooms[0] for item in named} == {"room"}
@@ -38,7 +36,6 @@ def test_what_a_shut_door_hides_is_not_seen_and_a_photo_shows_its_room():
     assert {item.rooms[0] for item in seen_planes(labels, pose, room_shapes(house))} == {"room"}
     house, pose, labels, _ = open_door_view()
     assert seen_planes(labels[::-1].copy(), pose, room_shapes(house)) == []
-    house, pose, labels, ends = open_door_view()
     shapes = room_shapes(house)
     assert shows_its_room(labels, pose, shapes)
     behind = np.where(ends[..., 0] > WIDE + 0.05, labels, IGNORE).astype(np.uint8)

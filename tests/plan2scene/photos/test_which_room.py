@@ -3,8 +3,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from sample_houses import rooms_in_a_row
 
-from plan2scene.house import House, Opening, Room, Wall
+from plan2scene.house import House, Opening, Wall
 from plan2scene.photos.labels.palette import KINDS
 from plan2scene.photos.locate.which_room import (
     NOWHERE,
@@ -19,14 +20,10 @@ from plan2scene.photos.locate.which_room import (
 
 def home():
     """Two bedrooms of one size, a kitchen and a bath."""
-    types = {"bed_1": "Bedroom", "bed_2": "Bedroom", "kitchen": "Kitchen", "bath": "Bathroom"}
-    rooms = []
-    for k, (name, kind) in enumerate(types.items()):
-        ring = ((4.0 * k, 0.0), (4.0 * k + 4, 0.0), (4.0 * k + 4, 3.0), (4.0 * k, 3.0))
-        rooms.append(Room(name, (kind,), (ring,), 2.6))
+    rooms = dict(bed_1="Bedroom", bed_2="Bedroom", kitchen="Kitchen", bath="Bathroom")
     window = Opening("w", "window", 1.0, 2.0, 0.9, 2.1)
-    walls = (Wall("wall", ("bed_1",), (0.0, 0.0), (4.0, 0.0), 2.6, openings=(window,)),)
-    return House("h", tuple(rooms), walls)
+    walls = (Wall("wall", ("bed_1",), (0.0, 0.0), (3.0, 0.0), 2.5, openings=(window,)),)
+    return House("h", rooms_in_a_row(**rooms), walls)
 
 
 def looks_like(kind, sure=0.9):
@@ -78,7 +75,7 @@ def test_photos_of_one_storey_look_sooner_alike():
 
 def test_of_rooms_of_a_type_the_larger_one_is_photographed_more():
     small = home()
-    ring = ((4.0, 0.0), (8.0, 0.0), (8.0, 9.0), (4.0, 9.0))
+    ring = ((3.0, 0.0), (6.0, 0.0), (6.0, 9.0), (3.0, 9.0))
     rooms = [replace(r, rings=(ring,)) if r.id == "bed_2" else r for r in small.rooms]
     large = replace(small, rooms=tuple(rooms))
     photos = {name: BEDROOM for name in "abc"}

@@ -91,7 +91,6 @@ def test_a_written_file_has_the_official_form_and_its_textures_come_back(tmp_pat
     kinds = [element["type"] for element in scene["scene"]["arch"]["elements"]]
     assert kinds == ["Floor", "Ceiling"] * 2 + ["Wall"] * 7
     assert scene["scene"]["arch"]["elements"][1]["offset"] == [0, 2.5, 0]
-    house, _ = read(tmp_path, arch())
     textures = {
         SurfaceKey("a", "floor"): (b"one", 1.25),
         SurfaceKey("a", "wall"): (b"two", 0.5),

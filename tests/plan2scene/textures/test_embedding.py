@@ -58,9 +58,8 @@ def test_decoding_is_reproducible_and_depends_on_the_seed(model):
 
 def test_embeddings_of_a_house_with_and_without_crops(tmp_path, tmp_path_factory):
     folder = tmp_path_factory.mktemp("models")
-    paths = [folder / f"{name}.safetensors" for name in ("texture", "naivesynth")]
-    write_texture_models(*paths)
-    models = paths
+    models = [folder / f"{name}.safetensors" for name in ("texture", "naivesynth")]
+    write_texture_models(*models)
     table = crop_table(crops(3))
     write_parquet(tmp_path / "crops.parquet", table, {"house": "h"})
     output = tmp_path / "embeddings.parquet"
@@ -77,7 +76,6 @@ def test_embeddings_of_a_house_with_and_without_crops(tmp_path, tmp_path_factory
     make_embeddings(tmp_path / "crops.parquet", again, *models, house="h", dataset="d", seed=0)
     assert again.read_bytes() == output.read_bytes()
     write_parquet(tmp_path / "crops.parquet", crop_table(crops(1)).iloc[:0], {"house": "h"})
-    output = tmp_path / "embeddings.parquet"
     make_embeddings(tmp_path / "crops.parquet", output, *models, house="h", dataset="d", seed=0)
     frame, _ = read_parquet(output)
     assert len(frame) == 0 and "textureness" in frame.columns

@@ -360,8 +360,6 @@ def test_a_floor_without_joints_is_like_another_without(files, confidence, like)
 
 def test_wrong_requests_are_refused(files):
     inputs = _inputs(files)
-    with pytest.raises(InputError, match="a method of crop"):
-        make_textures("magic", inputs, files / "x")
     with pytest.raises(InputError, match="texture model for method exemplar"):
         make_textures("exemplar", replace(inputs, models={}), files / "x")
     other = {"texture": files / "naivesynth.safetensors"}

@@ -2,15 +2,8 @@ import numpy as np
 
 from plan2scene.house import SurfaceKey
 from plan2scene.images import png_bytes
-from plan2scene.mesh.parts import PartBuilder
 from plan2scene.mesh.texture_files import TileTexture
 from plan2scene_app.pictures.preview import render_preview
-
-
-def square(y, colour):
-    builder = PartBuilder()
-    builder.quad(np.array([[0, y, 0], [0, y, 1], [1, y, 1], [1, y, 0]], dtype=float), colour)
-    return builder.build(f"square {y}")
 
 
 def test_preview_shows_each_floor_where_it_is(gap_house, paint):

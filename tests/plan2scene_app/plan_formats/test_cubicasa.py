@@ -68,7 +68,6 @@ def test_the_scale_is_read_from_the_page_and_transforms_are_followed(tmp_path):
     plan = drawn_flat(2)
     head = 'width="20m" viewBox="0 0 1000 1000"'
     assert_found(plan, read_plan(svg(tmp_path, elements(plan), head), "h1"), heights=False)
-    plan = drawn_flat(2)
     turned = f'<g transform="rotate(90)">{elements(plan)}</g>'
     inside = f'<g transform="translate(10 5) scale(2)">{turned}</g>'
     found = read_plan(svg(tmp_path, inside), "h1", 0.5 / PIXELS)

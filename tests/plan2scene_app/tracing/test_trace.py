@@ -1,14 +1,11 @@
 import json
-from contextlib import nullcontext
 from dataclasses import replace
-from types import SimpleNamespace
 
 import cv2
 import numpy as np
 import pytest
 from flat_picture import PPM, flat_picture
 from PIL import Image, ImageDraw
-from shapely.geometry import box
 from typer.testing import CliRunner
 
 from plan2scene.errors import InputError
@@ -18,7 +15,6 @@ from plan2scene_app.cli import app
 from plan2scene_app.tracing import lettering, trace
 from plan2scene_app.tracing import picture as pictures
 from plan2scene_app.tracing.lettering import TextLine, read_lines
-from plan2scene_app.tracing.settings import SETTINGS
 from plan2scene_app.tracing.trace import traced_files, write_trace
 
 
@@ -130,24 +126,6 @@ def test_text_of_a_turned_plan_is_read(turns, monkeypatch):
         assert "OH" in {line.text for line in read_lines(image)}  # upside down it is HO
 
 
-def test_upright_text_that_is_hardly_read_is_read_again_turned(monkeypatch):
-    """A reader that knows lying text only finds the same dark mark in the same place."""
-
-    def marks(image, **_):
-        ys, xs = np.nonzero(image[..., 0] < 128)
-        box = np.array([[x, y] for y in (ys.min(), ys.max()) for x in (xs.min(), xs.max())])
-        text, score = ("POWDER", 0.99) if (np.ptp(xs) > np.ptp(ys)) else ("PRORR", 0.7)
-        return SimpleNamespace(boxes=[box], txts=[text], scores=[score])
-
-    monkeypatch.setattr(lettering, "_reader", lambda: marks)
-    image = np.full((900, 1300, 3), 255, np.uint8)
-    image[400:460, 700:716] = 0
-    (line,) = read_lines(image)
-    assert (line.text, line.upright) == ("POWDER", True)
-    assert line.middle == pytest.approx((708, 430), abs=1)
-    assert line.size == pytest.approx((16, 60), abs=1)
-
-
 def _noise(height=400, width=600):
     small = np.random.default_rng(0).integers(0, 256, (height // 20, width // 20, 3), np.uint8)
     return cv2.resize(small, (width, height), interpolation=cv2.INTER_CUBIC)
@@ -182,21 +160,6 @@ def test_what_is_no_plan_is_one_line(tmp_path, monkeypatch, image, found):
         write_trace(path, tmp_path / "plan.json")
     assert found in str(caught.value) and "\n" not in str(caught.value)
     assert [p.name for p in tmp_path.iterdir()] == ["other.png"]
-
-
-@pytest.mark.parametrize(
-    ("sure", "paper", "taken"),
-    [(0.7, False, False), (0.82, False, False), (0.9, False, True), (0.82, True, True)],
-)
-def test_rooms_in_a_busy_picture_without_paper_have_to_be_surer(sure, paper, taken):
-    image = _noise()
-    if paper:
-        image[:210] = 250
-        image[210:, ::8] = 0  # a fine drawing: little of it is flat
-    assert pictures.flat_share(image) < SETTINGS.busy
-    assert (pictures.paper_share(image) >= SETTINGS.drawn_paper) is paper
-    with nullcontext() if taken else pytest.raises(InputError, match="a photo"):
-        pictures.refuse_other_pictures("plan.jpg", image, sure, {1: box(0, 0, 9, 9)}, openings=3)
 
 
 def test_a_picture_of_12000_x_9000_pixels_is_worked_on_at_a_sixth(tmp_path):
