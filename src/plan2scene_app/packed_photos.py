@@ -15,7 +15,7 @@ from pathlib import Path
 from plan2scene.errors import InputError
 from plan2scene.images import MAX_IMAGE_BYTES, MAX_PIXELS
 from plan2scene.io import safe_join
-from plan2scene_app.pdf import is_pdf
+from plan2scene_app.pdf import is_pdf, opened
 
 #: Shortest side in pixels of a photo in a PDF: smaller pictures are logos and portraits.
 LEAST_SIDE = 300
@@ -59,27 +59,23 @@ def unpack_photos(source: Path, folder: Path) -> list[Path]:
 
 
 def _of_pdf(source: Path, folder: Path) -> list[Path]:
-    pdfium = importlib.import_module("pypdfium2")
+    pictures = [importlib.import_module("pypdfium2").raw.FPDF_PAGEOBJ_IMAGE]
     written: list[Path] = []
     if source.stat().st_size > MAX_IMAGE_BYTES:
         raise InputError(f"a PDF of at most {MAX_IMAGE_BYTES} bytes", "a larger one", file=source)
-    try:
-        with pdfium.PdfDocument(source) as document:
-            for number in range(min(len(document), MOST_PAGES)):
-                with closing(document[number]) as page:
-                    pictures = page.get_objects([pdfium.raw.FPDF_PAGEOBJ_IMAGE], max_depth=_DEPTH)
-                    for place, picture in enumerate(pictures, start=1):
-                        width, height = picture.get_px_size()
-                        if min(width, height) < LEAST_SIDE or width * height > MAX_PIXELS:
-                            continue
-                        if len(written) == MOST_PHOTOS:
-                            return written
-                        path = folder / f"page{number + 1:02d}_{place}.jpg"
-                        image = picture.get_bitmap().to_pil().convert("RGB")
-                        image.save(path, quality=_JPEG_QUALITY)
-                        written.append(path)
-    except pdfium.PdfiumError as error:
-        raise InputError("a PDF that can be read", str(error), file=source) from None
+    with opened(source) as document:
+        for number in range(min(len(document), MOST_PAGES)):
+            with closing(document[number]) as page:
+                for place, picture in enumerate(page.get_objects(pictures, max_depth=_DEPTH), 1):
+                    width, height = picture.get_px_size()
+                    if min(width, height) < LEAST_SIDE or width * height > MAX_PIXELS:
+                        continue
+                    if len(written) == MOST_PHOTOS:
+                        return written
+                    path = folder / f"page{number + 1:02d}_{place}.jpg"
+                    image = picture.get_bitmap().to_pil().convert("RGB")
+                    image.save(path, quality=_JPEG_QUALITY)
+                    written.append(path)
     return written
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib
-from contextlib import closing
+from contextlib import closing, contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,7 +13,7 @@ import numpy as np
 from plan2scene.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from PIL import Image
 
@@ -29,11 +29,22 @@ def is_pdf(path: str | Path) -> bool:
         return file.read(4) == b"%PDF"
 
 
+@contextmanager
+def opened(path: Any) -> Iterator[Any]:
+    """Yield the pypdfium2 document of a file; InputError for a damaged or a locked one."""
+    pdfium = importlib.import_module("pypdfium2")
+    try:
+        with pdfium.PdfDocument(path) as document:
+            yield document
+    except pdfium.PdfiumError as error:
+        raise InputError("a PDF that can be read", str(error), file=path) from None
+
+
 def page_count(path: str | Path) -> int:
     """Return the number of pages of a PDF, 1 for a picture."""
     if not is_pdf(path):
         return 1
-    with importlib.import_module("pypdfium2").PdfDocument(path) as document:
+    with opened(path) as document:
         return len(document)
 
 
@@ -44,7 +55,7 @@ def pages_by_lines(path: Any) -> list[int]:
     """
     pdfium = importlib.import_module("pypdfium2")
     counts = []
-    with pdfium.PdfDocument(path) as document:
+    with opened(path) as document:
         for number in range(min(len(document), _MAX_PAGES)):
             with closing(document[number]) as page:
                 kinds = [item.type for item in page.get_objects(max_depth=3)]
@@ -69,7 +80,7 @@ def page_texts(path: str | Path, number: int) -> list[tuple[str, np.ndarray]]:
     page. There are none for a page that is stored turned.
     """
     with (
-        importlib.import_module("pypdfium2").PdfDocument(path) as document,
+        opened(path) as document,
         closing(document[number - 1]) as page,
         closing(page.get_textpage()) as text,
     ):
@@ -102,8 +113,5 @@ def _goes_on(line: np.ndarray, box: np.ndarray) -> bool:
 
 def _rendered(path: Any, number: int | None) -> Image.Image:
     number = number or pages_by_lines(path)[0]
-    with (
-        importlib.import_module("pypdfium2").PdfDocument(path) as document,
-        closing(document[number - 1]) as page,
-    ):
+    with opened(path) as document, closing(document[number - 1]) as page:
         return page.render(scale=_PAGE_SIDE / max(page.get_size())).to_pil()

@@ -5,7 +5,9 @@ import shutil
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
+from PIL import Image
 
 CHROMIUM = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
@@ -35,6 +37,17 @@ def serious_violations(evaluate):
         "axe.run(document).then(({ violations }) => violations"
         ".filter(({ impact }) => /serious|critical/.test(impact)).map(({ id }) => id))"
     )
+
+
+def pages_and_photos(folder, *names):
+    """Write two photos, and pages with one line, two lines, and so on."""
+    noise = np.random.default_rng(0).integers(0, 255, (90, 120, 3), np.uint8)
+    for name in ("b.jpg", "floorplan.jpg"):
+        Image.fromarray(noise).save(folder / name)
+    sheet = Image.new("RGB", (200, 150), "white")
+    for k, name in enumerate(names):
+        sheet.paste("black", (40, 40 + 60 * k, 160, 44 + 60 * k))
+        sheet.save(folder / name)
 
 
 class Drawing:

@@ -1,5 +1,3 @@
-"""Photos of a PDF or ZIP: which are taken, which are left out."""
-
 import zipfile
 
 import numpy as np

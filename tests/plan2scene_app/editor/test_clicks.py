@@ -2,7 +2,7 @@ import json
 
 import numpy as np
 import pytest
-from browser import serious_violations
+from browser import pages_and_photos, serious_violations
 from PIL import Image
 
 from plan2scene.datasets.assignments import read_assignment
@@ -99,6 +99,14 @@ def test_a_plan_and_photos_dropped_together(drawing):
     drawing.page.wait_for_function("() => editor.store.state.photos.length === 2")
     assert drawing.page.evaluate("editor.picture.width") == 400
     assert drawing.photos == [{"name": name, "rooms": []} for name in ("bed.png", "hall.png")]
+
+
+def test_the_only_page_among_photos_is_the_plan(drawing, tmp_path):
+    pages_and_photos(tmp_path, "p07.png")
+    drawing.page.click("#open")
+    drawing.page.set_input_files("#file-input", sorted(tmp_path.iterdir()))
+    drawing.page.wait_for_function("() => editor.store.state.photos.length === 2")
+    assert sorted(photo["name"] for photo in drawing.photos) == ["b.jpg", "floorplan.jpg"]
 
 
 def test_walls_move_with_both_rooms_and_what_is_in_them(drawing):

@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 import pytest
-from browser import Drawing, serious_violations
+from browser import Drawing, pages_and_photos, serious_violations
 from PIL import Image
 from unscaled_drawings import dxf
 
@@ -300,28 +300,9 @@ def test_a_run_is_cancelled_fails_with_a_line_and_goes_on(drawing, monkeypatch):
     assert page.locator(".stages .done").all_text_contents() == ["Plan", "The house in 3D"]
 
 
-def drawings_and_photos(folder, *names):
-    """Write two photos, and pages with one line, two lines, and so on."""
-    noise = np.random.default_rng(0).integers(0, 255, (90, 120, 3), np.uint8)
-    for name in ("b.jpg", "floorplan.jpg"):
-        Image.fromarray(noise).save(folder / name)
-    sheet = Image.new("RGB", (200, 150), "white")
-    for k, name in enumerate(names):
-        sheet.paste("black", (40, 40 + 60 * k, 160, 44 + 60 * k))
-        sheet.save(folder / name)
-
-
-def test_the_only_page_among_photos_is_the_plan(drawing, tmp_path):
-    drawings_and_photos(tmp_path, "p07.png")
-    drawing.page.click("#open")
-    drawing.page.set_input_files("#file-input", sorted(tmp_path.iterdir()))
-    drawing.page.wait_for_function("() => editor.store.state.photos.length === 2")
-    assert sorted(photo["name"] for photo in drawing.photos) == ["b.jpg", "floorplan.jpg"]
-
-
 def test_among_many_pictures_the_plans_of_the_storeys_are_found(drawing, studio, tmp_path):
     page, home = drawing.page, home_of(studio, drawing)
-    drawings_and_photos(tmp_path, "first floor.png", "ground.png")
+    pages_and_photos(tmp_path, "first floor.png", "ground.png")
     page.click("#open")
     page.set_input_files("#file-input", sorted(tmp_path.iterdir()))
     page.get_by_role("heading", name="Which pictures are the plan?").wait_for()

@@ -1,5 +1,3 @@
-"""Pages of a PDF: those that show storeys are read, each plan once."""
-
 import numpy as np
 import pytest
 from flat_picture import flat_picture
@@ -59,6 +57,10 @@ def test_a_single_page_with_a_home_is_read_as_a_picture_of_it(pdf):
 def test_a_pdf_without_a_home_is_refused_in_one_line(pdf):
     with pytest.raises(InputError, match=r"plan\.pdf: expected a picture of a floorplan, found"):
         trace_picture(pdf(TABLE, NOISE))
+    cut = pdf(FLAT)
+    cut.write_bytes(cut.read_bytes()[:99])
+    with pytest.raises(InputError, match=r"plan\.pdf: expected a PDF that can be read, found"):
+        trace_picture(cut)
 
 
 def test_letters_of_a_pdf_are_read_in_any_script_without_a_reader(tmp_path, monkeypatch):

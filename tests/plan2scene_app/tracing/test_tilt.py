@@ -1,5 +1,3 @@
-"""Pages photographed from aside, without their edges: the plan's lines tell the tilt."""
-
 import cv2
 import numpy as np
 import pytest
