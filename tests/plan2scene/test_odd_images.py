@@ -305,7 +305,7 @@ def test_photos_of_phones_and_pages_are_read(tmp_path):
     with pytest.raises(InputError, match="found a PDF"):
         read_image(page)  # no photo
     page.write_bytes(page.read_bytes()[:200])
-    with pytest.raises(InputError, match="an image that decodes"):
+    with pytest.raises(InputError, match="a PDF that can be read"):
         images.read_reduced_image(page, 64, page_of=pdf.page_picture())
 
 

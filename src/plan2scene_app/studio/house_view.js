@@ -99,7 +99,7 @@ export class HouseView {
     const now = run.stages.find((stage) => stage.state === "running"), labels = new Map(this.app.store.state.plan.rooms.map((room) => [room.id, labelOf(room)]));
     const told = new Set(this.app.problems.map((p) => `${p.room || "Plan"}: expected ${p.expected}, found ${p.found}`)); // already shown beside the plan, with links
     const lines = (run.warnings ?? []).filter((line) => !told.has(line)).map((line) => line.replace(/^[^:]+/, (room) => labels.get(room) ?? room));
-    const titles = { none: "No house yet", running: "Being made", done: "Ready", failed: "The run failed", cancelled: "Cancelled", interrupted: "Interrupted" };
+    const titles = { none: run.results.files["house.glb"] ? "Made by plan2scene run" : "No house yet", running: "Being made", done: "Ready", failed: "The run failed", cancelled: "Cancelled", interrupted: "Interrupted" };
     return el("section", {}, el("h2", {}, titles[run.state]),
       el("div", { className: "row" }, running ? button("Cancel", () => this.cancel(), { id: "cancel" }) : button(WORDS[run.state], () => this.start(), { className: "primary", id: "start-run" })),
       errors && !running ? el("p", { className: "hint" }, `The plan has ${errors} problem${errors > 1 ? "s" : ""} that would stop a run: see Plan and photos.`) : null,
