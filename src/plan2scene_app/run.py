@@ -132,22 +132,23 @@ def read_input(request: SingleHouse) -> list[str]:
         names = photos_in(request.photos_dir, plan_files(request))
     else:
         return []
-    faults = []
+    faults: dict[str, str] = {}
     for name in names:
         path = _photo_path(request, name)
         try:
             photo_problem(path, house_id=request.house)
         except InputError as fault:
-            faults.append(str(fault))
+            faults[name] = str(fault)
     if names and len(faults) == len(names):
-        what = f"none of {len(names)}; the first: {faults[0]}"
+        what = f"none of {len(names)}; the first: {next(iter(faults.values()))}"
         source = request.photo_table or request.photos_dir or ""
         raise InputError("a photo that can be read", what, file=source)
-    for line in faults:
+    for line in faults.values():
         _LOG.warning("%s", line)
     if faults:
         _LOG.warning("%d of %d photos are used", len(names) - len(faults), len(names))
-    return names
+    # What a table names stays: the workflow says of it, too, why it is left out.
+    return names if request.photo_table else [name for name in names if name not in faults]
 
 
 def photos_in(folder: Path, plans: Collection[Path]) -> list[str]:

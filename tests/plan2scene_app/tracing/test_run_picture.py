@@ -94,7 +94,7 @@ def test_a_folder_of_photos_is_given_with_a_picture(picture, tmp_path, caplog):
     (photos / picture.name).symlink_to(picture)
     given = replace(request(picture), photos_dir=photos)
     names = read_input(given)
-    assert names == ["a copy.png", "b.jpg", "notes.txt"]
+    assert names == ["a copy.png", "b.jpg"]
     told = "\n".join(caplog.messages)
     assert "other plan.png left out: a drawing or a page" in told
     assert "a.png left out: a copy.png is the same" in told
@@ -102,8 +102,8 @@ def test_a_folder_of_photos_is_given_with_a_picture(picture, tmp_path, caplog):
     prepare(given, names, tmp_path)
     dataset = tmp_path / "dataset"
     rows = (dataset / "houses.tsv").read_text().splitlines()[1].split("\t")
-    assert rows[3:] == ["photoroom.csv", "a copy.png|b.jpg|notes.txt"]
-    assert (dataset / "photoroom.csv").read_text() == "photo\na copy.png\nb.jpg\nnotes.txt\n"
+    assert rows[3:] == ["photoroom.csv", "a copy.png|b.jpg"]
+    assert (dataset / "photoroom.csv").read_text() == "photo\na copy.png\nb.jpg\n"
 
 
 def test_a_table_is_given_with_a_picture_whose_rooms_have_no_names_yet(picture, tmp_path):
