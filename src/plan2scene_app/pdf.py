@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from PIL import Image
 
 #: Most pages that are examined, and pixels of the longer side of a rendered page.
-_MAX_PAGES, _PAGE_SIDE = 40, 3000
+_MAX_PAGES, PAGE_SIDE = 40, 3000
 #: Most pieces of text of a page that are read, and the gap between two words over their height.
 _MAX_TEXTS, _SPACE = 3000, 0.12
 
@@ -65,12 +65,13 @@ def pages_by_lines(path: Any) -> list[int]:
     return [int(k) + 1 for k in np.argsort(-np.array(counts), kind="stable")]
 
 
-def page_picture(number: int | None = None) -> Callable[[Any], Image.Image]:
+def page_picture(number: int | None = None, side: int = PAGE_SIDE) -> Callable[[Any], Image.Image]:
     """Return a function for :func:`plan2scene.images.decode_image` that renders a page of a PDF.
 
-    Without its `number`, from 1, it is the page with the most vector paths.
+    Its longer side has `side` pixels. Without its `number`, from 1, it is the page with the most
+    vector paths.
     """
-    return partial(_rendered, number=number)
+    return partial(_rendered, number=number, side=side)
 
 
 def page_texts(path: str | Path, number: int) -> list[tuple[str, np.ndarray]]:
@@ -89,7 +90,7 @@ def page_texts(path: str | Path, number: int) -> list[tuple[str, np.ndarray]]:
         rects = [text.get_rect(k) for k in range(min(text.count_rects(), _MAX_TEXTS))]
         words = [(text.get_text_bounded(*rect).strip(), rect) for rect in rects]
         left, bottom, right, top = page.get_cropbox()
-    zoom = _PAGE_SIDE / max(right - left, top - bottom)
+    zoom = PAGE_SIDE / max(right - left, top - bottom)
     lines: list[tuple[str, np.ndarray]] = []
     for word, (x0, y0, x1, y1) in words:
         if not word:
@@ -111,7 +112,7 @@ def _goes_on(line: np.ndarray, box: np.ndarray) -> bool:
     return bool(level and -high < box[0] - line[2] < high)
 
 
-def _rendered(path: Any, number: int | None) -> Image.Image:
+def _rendered(path: Any, number: int | None, side: int) -> Image.Image:
     number = number or pages_by_lines(path)[0]
     with opened(path) as document, closing(document[number - 1]) as page:
-        return page.render(scale=_PAGE_SIDE / max(page.get_size())).to_pil()
+        return page.render(scale=side / max(page.get_size())).to_pil()

@@ -12,17 +12,17 @@ from pathlib import Path
 import numpy as np
 
 from plan2scene.errors import InputError
-from plan2scene_app.pdf import page_count, pages_by_lines
-from plan2scene_app.tracing.drawings import on_one_page, shows_a_home, storey_told
+from plan2scene.images import read_reduced_image
+from plan2scene_app.pdf import page_count, page_picture, pages_by_lines
+from plan2scene_app.tracing.drawings import on_one_page, storey_told
 from plan2scene_app.tracing.lettering import lines_of
+from plan2scene_app.tracing.looks import Look, drawn_homes, first_looks
 from plan2scene_app.tracing.picture import (
     PlanPicture,
     dark_on_light,
     flat_share,
     read_plan_picture,
-    whole,
 )
-from plan2scene_app.tracing.regions import structure_of
 from plan2scene_app.tracing.segmenter import PlanSegmenter
 from plan2scene_app.tracing.settings import OUTSIDE, SETTINGS
 
@@ -42,16 +42,17 @@ def read_plan_pages(
     homes: dict[int, _Home] = {}
     looks = 0
     for number in numbers:
+        if flat_share(_small(path, number)) < SETTINGS.photo_flat:
+            continue
         try:
             picture = read_plan_picture(path, number)
         except InputError:  # an empty page
             continue
-        if flat_share(picture.image) < SETTINGS.busy:  # photos
-            continue
-        structure = _structure_of_home(picture, segmenter)
+        page = dark_on_light(picture.image)
+        shown = drawn_homes(first_looks(page, segmenter)[0], page)
         looks += 1
-        if structure is not None:
-            homes[number] = _Home(picture, structure)
+        if shown:
+            homes[number] = _Home(picture, shown)
         if looks == SETTINGS.most_pages or len(homes) == SETTINGS.most_drawings:
             break
     pages = tuple(sorted(homes))
@@ -65,34 +66,32 @@ def read_plan_pages(
     return joined.resized(SETTINGS.long_side_px / max(joined.image.shape[:2])), pages
 
 
+def _small(path: str | Path, number: int) -> np.ndarray:
+    """Return a page (h, w, 3) uint8 sRGB of few pixels."""
+    side = SETTINGS.page_side_px
+    return read_reduced_image(path, side, page_of=page_picture(number, side))[0]
+
+
 @dataclass(frozen=True)
 class _Home:
-    """A page that shows a home; `structure` (h, w) uint8 are its labels."""
+    """A page that shows a home, and the looks at those of its drawings that do."""
 
     picture: PlanPicture
-    structure: np.ndarray
+    looks: list[Look]
 
     @cached_property
     def texts(self) -> tuple[set[int], Counter[str]]:
         """Numbers of storeys that the page tells, and the words inside the home."""
         lines = lines_of(dark_on_light(self.picture.image), self.picture.texts)
         told = {height for line in lines if (height := storey_told(line.text)) is not None}
-        zoom = self.structure.shape[0] / self.picture.image.shape[0]
         words: Counter[str] = Counter()
         for line in lines:
-            x, y = (int(zoom * v) for v in line.middle)
-            inside = 0 <= y < self.structure.shape[0] and 0 <= x < self.structure.shape[1]
-            if inside and self.structure[y, x] != OUTSIDE:
-                words.update(re.findall(r"\w{2,}", line.text.lower()))
+            for look in self.looks:
+                x, y = look.frame.of_picture(np.array([line.middle]))[0].astype(int)
+                height, width = look.structure.shape
+                if 0 <= y < height and 0 <= x < width and look.structure[y, x] != OUTSIDE:
+                    words.update(re.findall(r"\w{2,}", line.text.lower()))
         return told, words
-
-
-def _structure_of_home(picture: PlanPicture, segmenter: PlanSegmenter) -> np.ndarray | None:
-    """Return the labels (h, w) uint8 of a page that shows a home, else None."""
-    frame = whole(dark_on_light(picture.image), segmenter.long_side)
-    probabilities = segmenter.probabilities(frame.image, views=SETTINGS.first_views)
-    structure = structure_of(probabilities)
-    return structure if shows_a_home(structure) else None
 
 
 def _shown(home: _Home, homes: Mapping[int, _Home], before: Sequence[int]) -> bool:

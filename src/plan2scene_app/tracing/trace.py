@@ -27,12 +27,7 @@ from plan2scene.weights import MODELS
 from plan2scene_app.pdf import page_count
 from plan2scene_app.plan_formats.axes import HEIGHTS
 from plan2scene_app.plan_formats.measures import sides_in_feet
-from plan2scene_app.tracing.drawings import (
-    Storey,
-    find_drawings,
-    shows_a_home,
-    storeys_of,
-)
+from plan2scene_app.tracing.drawings import Storey, shows_a_home, storeys_of
 from plan2scene_app.tracing.drawn_stairs import TracedFlight, covered, find_treads, flights_of
 from plan2scene_app.tracing.ink import (
     drawn_solid,
@@ -45,6 +40,7 @@ from plan2scene_app.tracing.ink import (
     without_standing_lines,
 )
 from plan2scene_app.tracing.lettering import TextLine, lines_of, reader_installed, without_text
+from plan2scene_app.tracing.looks import Look, drawn_homes, first_looks, look_at, of_drawing, only
 from plan2scene_app.tracing.named_areas import with_named_areas, without_counters
 from plan2scene_app.tracing.open_rooms import with_open_rooms
 from plan2scene_app.tracing.openings import TracedOpening, find_openings, within_walls
@@ -54,7 +50,6 @@ from plan2scene_app.tracing.picture import (
     dark_on_light,
     door_widths,
     drawn_size,
-    fills,
     first_scale,
     how_sure,
     main_direction,
@@ -251,21 +246,20 @@ class _Seen:
 
 def _seen(image: np.ndarray, segmenter: PlanSegmenter, texts: Sequence[TextLine]) -> _Seen:
     """Straighten a picture and find its labels and regions, one drawing at a time."""
-    numbers, count = find_drawings(image)
+    looks, numbers, count = first_looks(image, segmenter)
     all_numbers = numbers
-    looks = [_first_look(image, numbers, n, count, segmenter) for n in range(1, count + 1)]
-    homes = [look for look in looks if shows_a_home(look.structure)]
+    homes = drawn_homes(looks, image) or [x for x in looks if shows_a_home(x.structure)]
     left_out = count - len(homes) if homes else 0
     home_numbers = [look.number for look in homes]
     if len(homes) < 2:
         if left_out:
-            image = _of_drawing(image, numbers, homes[0].number)
+            image = of_drawing(image, numbers, homes[0].number)
         if count != 1:
-            looks = [_look(whole(image, segmenter.long_side), 1, segmenter)]
+            looks = [look_at(whole(image, segmenter.long_side), 1, segmenter)]
         homes = looks
         numbers = np.ones_like(numbers)
     else:
-        image = _only(image, np.isin(numbers, [0, *(look.number for look in homes)]))
+        image = only(image, np.isin(numbers, [0, *(look.number for look in homes)]))
     first = homes[0]
     floor = without_pockets(first.structure, first_scale(first.structure)) == ROOM
     if len(homes) == 1 and not floor.any():
@@ -292,7 +286,7 @@ def _seen(image: np.ndarray, segmenter: PlanSegmenter, texts: Sequence[TextLine]
     probabilities[OUTSIDE] = 1
     for look, place in zip(homes, places, strict=True):
         own_pixels = owner[place] == look.number
-        part = _only(frame.image[place], own_pixels)
+        part = only(frame.image[place], own_pixels)
         part_probabilities = segmenter.probabilities(part, views=SETTINGS.views)
         probabilities[:, *place][:, own_pixels] = part_probabilities[:, own_pixels]
     structure = structure_of(probabilities)
@@ -323,7 +317,7 @@ def _seen(image: np.ndarray, segmenter: PlanSegmenter, texts: Sequence[TextLine]
     return _Seen(frame, probabilities, find_regions(divided, ppm), owner, left_out)
 
 
-def _as_first_seen(first: _Look, left_out: int = 0) -> _Seen:
+def _as_first_seen(first: Look, left_out: int = 0) -> _Seen:
     """Return what the first look saw: close up, the network may miss large empty rooms."""
     regions = find_regions(first.structure, first_scale(first.structure))
     owner = np.ones(first.structure.shape, np.int32)
@@ -347,48 +341,6 @@ def _named_beyond(outline: np.ndarray, drawn: np.ndarray, texts: Sequence[TextLi
         if any((box[0] < place).all() and (place < box[1]).all() for place in beyond):
             corners.append(box)
     return np.concatenate(corners) if corners else np.zeros((0, 2))
-
-
-@dataclass(frozen=True)
-class _Look:
-    """A first look at a drawing: its frame, and `rough` probabilities of the labels there."""
-
-    number: int
-    frame: Frame
-    rough: np.ndarray
-    structure: np.ndarray
-
-
-def _look(frame: Frame, number: int, segmenter: PlanSegmenter) -> _Look:
-    rough = segmenter.probabilities(frame.image, views=SETTINGS.first_views)
-    return _Look(number, frame, rough, structure_of(rough))
-
-
-def _first_look(
-    image: np.ndarray, numbers: np.ndarray, number: int, count: int, segmenter: PlanSegmenter
-) -> _Look:
-    """Return a first look at one drawing; at the whole picture if a single drawing fills it."""
-    rows, columns = ndimage.find_objects((numbers == number).astype(int))[0]
-    if count == 1 and fills((rows, columns), image.shape):
-        return _look(whole(image, segmenter.long_side), number, segmenter)
-    edge = round(0.05 * max(rows.stop - rows.start, columns.stop - columns.start))
-    top, left = max(0, rows.start - edge), max(0, columns.start - edge)
-    place = (slice(top, rows.stop + edge), slice(left, columns.stop + edge))
-    frame = whole(_of_drawing(image, numbers, number)[place], segmenter.long_side)
-    matrix = frame.matrix.copy()
-    matrix[:, 2] -= frame.zoom * np.array([left, top])
-    return _look(Frame(frame.image, matrix), number, segmenter)
-
-
-def _of_drawing(image: np.ndarray, numbers: np.ndarray, number: int) -> np.ndarray:
-    """Return a picture (h, w, 3) uint8 with the other drawings painted over."""
-    return _only(image, (numbers == 0) | (numbers == number))
-
-
-def _only(image: np.ndarray, kept: np.ndarray) -> np.ndarray:
-    """Return a picture (h, w, 3) uint8 with paper where `kept` (h, w) bool is false."""
-    paper = np.median(image.reshape(-1, 3), axis=0).astype(np.uint8)
-    return np.where(kept[..., None], image, paper)
 
 
 def _owners(numbers: np.ndarray, kept: Sequence[int], frame: Frame) -> np.ndarray:

@@ -3,8 +3,10 @@ import numpy as np
 import pytest
 
 from plan2scene_app.tracing.drawings import find_drawings, shows_a_home, storey_told, storeys_of
+from plan2scene_app.tracing.looks import Look, drawn_homes
 from plan2scene_app.tracing.named_areas import with_named_areas
 from plan2scene_app.tracing.open_rooms import with_open_rooms
+from plan2scene_app.tracing.picture import Frame
 from plan2scene_app.tracing.regions import find_regions
 from plan2scene_app.tracing.rooms import room_polygons
 from plan2scene_app.tracing.settings import DOOR, OUTSIDE, ROOM, STAIRS, WALL, WINDOW
@@ -24,6 +26,9 @@ def test_parts_with_blank_paper_between_are_drawings():
     assert numbers[60, 700] not in (0, numbers[300, 100])
     assert shows_a_home(np.minimum(flat_labels(), ROOM))
     assert not shows_a_home(np.where(flat_labels() >= ROOM, ROOM, WALL).astype(np.uint8))
+    look = Look(1, Frame(page, np.eye(2, 3)), np.zeros(0), np.minimum(flat_labels(), ROOM))
+    photo = np.random.default_rng(0).integers(0, 255, page.shape, np.uint8)
+    assert drawn_homes([look], page) == [look] and drawn_homes([look], photo) == []
     table = np.where(flat_labels() == DOOR, WINDOW, np.minimum(flat_labels(), ROOM))
     assert not shows_a_home(table.astype(np.uint8))
 

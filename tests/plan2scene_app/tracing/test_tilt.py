@@ -41,9 +41,8 @@ def test_the_page_is_seen_from_above(degrees, tmp_path):
     photo, corners = seen_from_aside(flat_picture(), degrees)
     sheet = find_tilt(photo)
     found = cv2.perspectiveTransform(corners[None], np.linalg.inv(sheet.to_picture))[0]
-    assert sides(found) / sides(found).mean() == pytest.approx(
-        sides(HOUSE) / sides(HOUSE).mean(), rel=0.02
-    )
+    usual = sides(HOUSE) / sides(HOUSE).mean()
+    assert sides(found) / sides(found).mean() == pytest.approx(usual, rel=0.02)
     directions = np.roll(found, -1, axis=0) - found
     angles = np.degrees(np.arctan2(directions[:, 1], directions[:, 0]))
     assert (angles + 45) % 90 - 45 == pytest.approx(0, abs=0.5)
