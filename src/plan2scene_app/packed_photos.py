@@ -39,7 +39,8 @@ def unpacked(photos: Path | None) -> Iterator[Path | None]:
         return
     with tempfile.TemporaryDirectory() as folder:
         if not unpack_photos(photos, Path(folder)):
-            raise InputError(f"photos of at least {LEAST_SIDE} pixels a side", "none", file=photos)
+            expected = f"photos, in a PDF of at least {LEAST_SIDE} pixels a side"
+            raise InputError(expected, "none", file=photos)
         try:
             yield Path(folder)
         except InputError as error:  # of the folder, which the user does not know

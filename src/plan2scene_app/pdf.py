@@ -24,7 +24,9 @@ _MAX_TEXTS, _SPACE = 3000, 0.12
 
 
 def is_pdf(path: str | Path) -> bool:
-    """Return whether a file is a PDF, by its content."""
+    """Return whether a path is a PDF file, by its content."""
+    if not Path(path).is_file():
+        return False
     with Path(path).open("rb") as file:
         return file.read(4) == b"%PDF"
 

@@ -72,23 +72,29 @@ def read_upload(
         except UnreadPlanError:
             _keep(project, content, _NOTHING)
             raise
-        photos = _add_photos(project, file, Path(folder)) if is_pdf(file) else []
+        photos, notes = _add_photos(project, file, Path(folder)) if is_pdf(file) else ([], [])
     _keep(project, content, _NOTHING | {"picture": start.get("scale")})
-    return start | {"photos": photos}
+    return start | {"photos": photos, "notes": [*start.get("notes", ()), *notes]}
 
 
-def _add_photos(project: Project, pdf: Path, folder: Path) -> list[str]:
-    """Add the photos that a PDF contains to the project; return their names."""
+def _add_photos(project: Project, pdf: Path, folder: Path) -> tuple[list[str], list[str]]:
+    """Add the photos that a PDF contains to the project.
+
+    Return their names, and a note for each that is left out: the plan is read all the same.
+    """
     (unpacked := folder / "photos").mkdir()
-    if not limited(unpack_photos, pdf, unpacked):
-        return []
     try:
-        names = photos_in(unpacked, [])
-    except InputError:  # drawings and pages only
-        return []
+        names = photos_in(unpacked, []) if limited(unpack_photos, pdf, unpacked) else []
+    except InputError:  # drawings and pages only, or too large a file
+        return [], []
+    added, notes = [], []
     for name in names:
-        project.add_photo(name, (unpacked / name).read_bytes())
-    return names
+        try:
+            project.add_photo(name, (unpacked / name).read_bytes())
+            added.append(name)
+        except InputError as fault:
+            notes.append(f"photo {name} of this file is left out: {fault}")
+    return added, notes
 
 
 def _page_of(content: bytes, parts: Sequence[tuple[str, int]], folder: Path) -> bytes:

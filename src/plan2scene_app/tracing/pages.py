@@ -13,7 +13,7 @@ import numpy as np
 
 from plan2scene.errors import InputError
 from plan2scene.images import read_reduced_image
-from plan2scene_app.pdf import page_count, page_picture, pages_by_lines
+from plan2scene_app.pdf import is_pdf, page_count, page_picture, pages_by_lines
 from plan2scene_app.tracing.drawings import on_one_page, storey_told
 from plan2scene_app.tracing.lettering import lines_of
 from plan2scene_app.tracing.looks import Look, drawn_homes, first_looks
@@ -37,7 +37,7 @@ def read_plan_pages(
     InputError as `read_plan_picture`.
     """
     if page_count(path) == 1:
-        return read_plan_picture(path), (1,)
+        return read_plan_picture(path, 1 if is_pdf(path) else None), (1,)
     numbers = pages_by_lines(path)
     homes: dict[int, _Home] = {}
     looks = 0

@@ -51,6 +51,8 @@ def read_plan_picture(path: str | Path, page: int | None = None) -> PlanPicture:
     Of a PDF the `page` of this number, from 1, is read, or the one with the most lines.
     """
     side = SETTINGS.long_side_px
+    if page is None and is_pdf(path):
+        page = pages_by_lines(path)[0]
     image, (height, width) = read_reduced_image(path, side, page_of=page_picture(page))
     if min(height, width) < SETTINGS.least_side_px:
         expected = f"a plan of at least {SETTINGS.least_side_px} pixels a side"
@@ -88,10 +90,8 @@ def _texts_of(
     path: str | Path, page: int | None, corner: tuple[float, float], zoom: float
 ) -> tuple[TextLine, ...]:
     """Return what a page of a PDF holds as letters, in pixels of its cut and resized picture."""
-    if not is_pdf(path):
-        return ()
     lines = []
-    for text, box in page_texts(path, page or pages_by_lines(path)[0]):
+    for text, box in page_texts(path, page) if page else ():
         x, y = (0.5 * (box[:2] + box[2:])).tolist()
         width, height = (box[2:] - box[:2]).tolist()
         margin = _MARGIN * min(width, height)

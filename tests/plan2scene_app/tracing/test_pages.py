@@ -59,8 +59,9 @@ def test_a_pdf_without_a_home_is_refused_in_one_line(pdf):
         trace_picture(pdf(TABLE, NOISE))
     cut = pdf(FLAT)
     cut.write_bytes(cut.read_bytes()[:99])
-    with pytest.raises(InputError, match=r"plan\.pdf: expected a PDF that can be read, found"):
-        trace_picture(cut)
+    for path, found in ((cut, "a PDF that can be read"), (cut.with_name("no.png"), "no such file")):
+        with pytest.raises(InputError, match=rf"{path.name}: expected .*{found}"):
+            trace_picture(path)
 
 
 def test_letters_of_a_pdf_are_read_in_any_script_without_a_reader(tmp_path, monkeypatch):

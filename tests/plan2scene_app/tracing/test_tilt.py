@@ -12,8 +12,7 @@ HOUSE = np.array([[0.8, 0.8], [9.2, 0.8], [9.2, 6.2], [0.8, 6.2]]) * PPM  # corn
 SIZE = (1200, 900)
 
 
-def seen_from_aside(page, degrees):
-    """Return a photo (h, w, 3) of the middle of a large page, and the house's corners in it."""
+def seen_from_aside(page, degrees):  # a photo of a large page's middle, the house's corners in it
     edge = max(page.shape[:2])
     large = cv2.copyMakeBorder(page, edge, edge, edge, edge, cv2.BORDER_CONSTANT, value=(255,) * 3)
     high, wide = large.shape[:2]
