@@ -71,6 +71,11 @@ class OutFolder:
         return targets
 
 
+def is_out_folder(path: Path) -> bool:
+    """Return whether a folder is the output folder of a run."""
+    return (path / WORK / _LOCK).is_file()
+
+
 @contextmanager
 def claimed_folder(path: Path, names: Sequence[str], inputs: Sequence[Path]) -> Iterator[OutFolder]:
     """Yield the output folder, locked until the block ends; make it if it does not exist.

@@ -1,13 +1,14 @@
-"""Photos in one file: a ZIP archive, or a PDF such as a listing's brochure with plan and photos."""
+"""Where photos lie: in a folder with its folders, a ZIP archive, or a PDF such as a brochure."""
 
 from __future__ import annotations
 
 import importlib
+import os
 import re
 import tempfile
 import zipfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
 from itertools import takewhile
 from pathlib import Path
@@ -15,6 +16,7 @@ from pathlib import Path
 from plan2scene.errors import InputError
 from plan2scene.images import MAX_IMAGE_BYTES, MAX_PIXELS
 from plan2scene.io import safe_join
+from plan2scene_app.out_folder import is_out_folder
 from plan2scene_app.pdf import is_pdf, opened
 
 #: Shortest side in pixels of a photo in a PDF: smaller pictures are logos and portraits.
@@ -23,12 +25,42 @@ LEAST_SIDE = 300
 MOST_PAGES, MOST_PHOTOS, MOST_BYTES = 100, 500, 4_000_000_000
 #: How deep a picture may lie in groups of a page's objects.
 _DEPTH = 5
+#: Largest number of files below a folder of photos: who gives a whole disk gets one line.
+MOST_FILES = 5000
 _JPEG_QUALITY = 95
 
 
 def is_packed(path: Path | None) -> bool:
     """Return whether a path is a PDF or a ZIP archive, by its content."""
     return path is not None and path.is_file() and (is_pdf(path) or zipfile.is_zipfile(path))
+
+
+def photo_files(folder: Path) -> dict[str, Path]:
+    """Return the files in a folder and its folders by their names as photos, sorted.
+
+    The name of a file in a folder begins with the folder's: ``kitchen_1.jpg`` for
+    ``kitchen/1.jpg``. Characters that no name of a photo may have become ``_``. Hidden files and
+    folders and the results of ``plan2scene run`` are left out. InputError for more than
+    `MOST_FILES` files.
+    """
+    files: dict[str, Path] = {}
+    for place, folders, names in os.walk(folder):
+        at = Path(place)
+        folders[:] = [
+            name for name in folders if not name.startswith(".") and not is_out_folder(at / name)
+        ]
+        for name in sorted(names):
+            if not name.startswith(".") and (at / name).is_file():
+                files.setdefault(_name_of((at / name).relative_to(folder).parts), at / name)
+        if len(files) > MOST_FILES:
+            expected = f"at most {MOST_FILES} files in a folder of photos and its folders"
+            raise InputError(expected, "more", file=folder)
+    return dict(sorted(files.items()))
+
+
+def _name_of(parts: Sequence[str]) -> str:
+    """Return a photo's name made of the names of its folders and its own."""
+    return re.sub(r'[\\:*?"<>|{}\x00-\x1f]', "_", "_".join(parts)).strip()
 
 
 @contextmanager
@@ -91,7 +123,7 @@ def _of_zip(source: Path, folder: Path) -> list[Path]:
             folders = zip(*(names[:-1] for names in parts.values()), strict=False)
             shared = sum(1 for _ in takewhile(lambda level: len(set(level)) == 1, folders))
             for entry, names in parts.items():
-                name = "_".join(names[shared:])
+                name = _name_of(names[shared:])
                 path = safe_join(folder, name, file=source)
                 with archive.open(entry) as file:
                     content = file.read(MAX_IMAGE_BYTES + 1)

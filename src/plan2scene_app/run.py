@@ -28,7 +28,7 @@ from plan2scene_app.bound_process import run_bound
 from plan2scene_app.check import photo_problem
 from plan2scene_app.finishes import finishes_file, read_finishes
 from plan2scene_app.out_folder import OutFolder, claimed_folder
-from plan2scene_app.packed_photos import unpacked
+from plan2scene_app.packed_photos import photo_files, unpacked
 from plan2scene_app.tracing.picture import paper_share, read_plan_picture
 from plan2scene_app.tracing.settings import SETTINGS
 
@@ -133,8 +133,7 @@ def read_input(request: SingleHouse) -> list[str]:
     else:
         return []
     faults: dict[str, str] = {}
-    for name in names:
-        path = _photo_path(request, name)
+    for name, path in _photo_paths(request, names).items():
         try:
             photo_problem(path, house_id=request.house)
         except InputError as fault:
@@ -152,32 +151,31 @@ def read_input(request: SingleHouse) -> list[str]:
 
 
 def photos_in(folder: Path, plans: Collection[Path]) -> list[str]:
-    """Return the names of a folder's photos, sorted.
+    """Return the names of the photos in a folder and its folders, sorted (see `photo_files`).
 
     Hidden files, the `plans`, repeated photos, drawings and pages are left out. InputError if there
     is no such folder or no photo in it.
     """
     if not folder.is_dir():
         raise InputError("a folder of photos, or a photo table", absent(folder), file=folder)
-    photo_by_stem: dict[str, Path] = {}
-    for path in sorted(folder.iterdir()):
-        if path.name.startswith(".") or any(map(path.samefile, plans)):
+    files = photo_files(folder)
+    photo_by_stem: dict[str, str] = {}
+    for name, path in files.items():
+        if any(map(path.samefile, plans)):
             continue
-        if path.is_dir():
-            _LOG.warning("folder %s left out: photos lie in %s itself", path.name, folder)
-            continue
-        same = [old for old in photo_by_stem.values() if filecmp.cmp(old, path, shallow=False)]
-        same += [photo_by_stem[path.stem]] if path.stem in photo_by_stem else []
+        photos = photo_by_stem.values()
+        same = [old for old in photos if filecmp.cmp(files[old], path, shallow=False)]
+        same += [photo_by_stem[stem]] if (stem := Path(name).stem) in photo_by_stem else []
         if same:
-            _LOG.warning("photo %s left out: %s is the same", path.name, same[0].name)
+            _LOG.warning("photo %s left out: %s is the same", name, same[0])
         elif _is_page(path):
             why = "a drawing or a page, no photo; a photo table that names it keeps it"
-            _LOG.warning("photo %s left out: %s", path.name, why)
+            _LOG.warning("photo %s left out: %s", name, why)
         else:
-            photo_by_stem[path.stem] = path
+            photo_by_stem[stem] = name
     if not photo_by_stem:
         raise InputError("a folder of photos", "no photo in it", file=folder)
-    return sorted(path.name for path in photo_by_stem.values())
+    return sorted(photo_by_stem.values())
 
 
 def _is_page(path: Path) -> bool:
@@ -189,11 +187,16 @@ def _is_page(path: Path) -> bool:
     return paper_share(image) >= SETTINGS.page_paper
 
 
-def _photo_path(request: SingleHouse, name: str) -> Path:
-    """Return the path of one of the request's photos."""
+def _photo_paths(request: SingleHouse, names: list[str]) -> dict[str, Path]:
+    """Return the paths of the request's photos by name, also of those that are missing."""
     table = request.photo_table
     folder = request.photos_dir or (table.parent if table else Path())
-    return safe_join(folder, name, file=table or folder, house_id=request.house)
+    files = photo_files(folder) if request.photos_dir and folder.is_dir() else {}
+    paths = {}
+    for name in names:
+        path = safe_join(folder, name, file=table or folder, house_id=request.house)
+        paths[name] = path if path.is_file() else files.get(name, path)
+    return paths
 
 
 def prepare(request: SingleHouse, names: list[str], work: Path) -> Path:
@@ -253,8 +256,7 @@ def _write_changed(content: bytes, target: Path) -> None:
 
 def _copy_photos(names: list[str], target: Path, request: SingleHouse) -> None:
     """Copy the photos that exist; remove the copies of those that no longer exist."""
-    for name in names:
-        path = _photo_path(request, name)
+    for name, path in _photo_paths(request, names).items():
         copy = safe_join(target, name)
         if path.is_file():
             _copy_changed(path, copy)

@@ -7,7 +7,7 @@ from PIL import Image
 
 from plan2scene.errors import InputError
 from plan2scene_app import packed_photos
-from plan2scene_app.packed_photos import is_packed, unpack_photos, unpacked
+from plan2scene_app.packed_photos import is_packed, photo_files, unpack_photos, unpacked
 from plan2scene_app.run import photos_in
 
 rng = np.random.default_rng(0)
@@ -38,10 +38,11 @@ def test_photos_of_a_brochure_are_taken_and_plan_and_logo_left_out(tmp_path, cap
         assert first == {file.name: file.read_bytes() for file in folder.iterdir()}
 
 
-def test_a_folder_stays_as_it_is(tmp_path):
-    for photos in (tmp_path, None):
-        with unpacked(photos) as folder:
-            assert folder == photos and not is_packed(photos)
+def test_folders_name_the_photos_in_them_and_results_are_left_out(tmp_path):
+    for name in ("1.jpg", "bath {a}/1.jpg", "out/work/lock", "out/rooms.jpg", ".cache/2.jpg"):
+        (path := tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        path.touch()
+    assert [*photo_files(tmp_path)] == ["1.jpg", "bath _a__1.jpg"]
 
 
 @pytest.mark.parametrize(

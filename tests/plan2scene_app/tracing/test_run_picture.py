@@ -83,27 +83,26 @@ def test_a_single_photo_is_no_table_of_photos(picture):
 
 def test_a_folder_of_photos_is_given_with_a_picture(picture, tmp_path, caplog):
     photos = tmp_path / "photos"
-    photos.mkdir()
-    for name, least in (("b.jpg", 90), ("a.png", 180), ("a copy.png", 180)):
+    (photos / "kitchen").mkdir(parents=True)
+    for name, least in (("kitchen/b.jpg", 90), ("a.png", 180), ("a copy.png", 180)):
         grey = np.linspace(least, least + 60, 64 * 64).reshape(64, 64, 1)
         write_png(photos / name, np.repeat(grey, 3, axis=2).astype(np.uint8))
     write_png(photos / "other plan.png", read_image(picture)[8:])
     (photos / "notes.txt").write_text("no photo")
-    (photos / ".hidden").write_text("of the system")
-    (photos / "kitchen").mkdir()
     (photos / picture.name).symlink_to(picture)
     given = replace(request(picture), photos_dir=photos)
     names = read_input(given)
-    assert names == ["a copy.png", "b.jpg"]
+    assert names == ["a copy.png", "kitchen_b.jpg"]
     told = "\n".join(caplog.messages)
     assert "other plan.png left out: a drawing or a page" in told
     assert "a.png left out: a copy.png is the same" in told
-    assert "folder kitchen left out" in told and "notes.txt" in told
+    assert "notes.txt" in told
     prepare(given, names, tmp_path)
     dataset = tmp_path / "dataset"
     rows = (dataset / "houses.tsv").read_text().splitlines()[1].split("\t")
-    assert rows[3:] == ["photoroom.csv", "a copy.png|b.jpg"]
-    assert (dataset / "photoroom.csv").read_text() == "photo\na copy.png\nb.jpg\n"
+    assert rows[3:] == ["photoroom.csv", "a copy.png|kitchen_b.jpg"]
+    assert (dataset / "photoroom.csv").read_text() == "photo\na copy.png\nkitchen_b.jpg\n"
+    assert (dataset / "photos" / "kitchen_b.jpg").is_file()
 
 
 def test_a_table_is_given_with_a_picture_whose_rooms_have_no_names_yet(picture, tmp_path):
