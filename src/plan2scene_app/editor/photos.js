@@ -97,10 +97,31 @@ export function listenToDrops(app, target) {
       app.refresh();
       return;
     }
-    const files = [...event.dataTransfer.files];
+    let files;
+    try { files = await droppedFiles(event.dataTransfer); } catch { app.say("This page cannot read folders: drop the files in it"); return; }
     if (!files.length) return;
     await takeFiles(app, files, room);
   });
+}
+
+/** The dropped files, also those in folders: of several folders each names its files, kitchen_1.jpg. */
+async function droppedFiles({ items, files }) {
+  const entries = [...items].map((item) => item.webkitGetAsEntry?.()).filter(Boolean);
+  if (!entries.some((entry) => entry.isDirectory)) return [...files];
+  const found = [];
+  const take = async (entry, before) => {
+    if (entry.name.startsWith(".")) return;
+    if (entry.isDirectory) {
+      const reader = entry.createReader();
+      for (let some; (some = await new Promise((...ends) => reader.readEntries(...ends))).length;)
+        for (const one of some) await take(one, before === null ? "" : `${before}${entry.name}_`);
+    } else {
+      const file = await new Promise((...ends) => entry.file(...ends));
+      found.push(before ? new File([file], before + file.name, { type: file.type }) : file);
+    }
+  };
+  for (const entry of entries) await take(entry, entries.length === 1 ? null : "");
+  return found.sort((a, b) => (a.name < b.name ? -1 : 1));
 }
 
 /** Open files that were dropped or chosen together: a plan or its picture, a photo table, photos. */

@@ -300,16 +300,21 @@ def test_a_run_is_cancelled_fails_with_a_line_and_goes_on(drawing, monkeypatch):
     assert page.locator(".stages .done").all_text_contents() == ["Plan", "The house in 3D"]
 
 
-def test_among_many_pictures_the_plans_of_the_storeys_are_found(drawing, studio, tmp_path):
+def test_in_a_dropped_folder_the_plans_of_the_storeys_are_found(drawing, studio, tmp_path):
     page, home = drawing.page, home_of(studio, drawing)
     pages_and_photos(tmp_path, "first floor.png", "ground.png")
-    page.click("#open")
-    page.set_input_files("#file-input", sorted(tmp_path.iterdir()))
+    (tmp_path / "hall").mkdir()
+    (tmp_path / "b.jpg").rename(tmp_path / "hall" / "b.jpg")
+    (x, y), session = drawing.pixel(1, 1), page.context.new_cdp_session(page)
+    dragged = {"items": [], "files": [str(tmp_path)], "dragOperationsMask": 1}
+    for kind in ("dragEnter", "drop"):
+        session.send("Input.dispatchDragEvent", {"type": kind, "x": x, "y": y, "data": dragged})
     page.get_by_role("heading", name="Which pictures are the plan?").wait_for()
     ticked = page.locator("dialog label:has(input:checked)").all_inner_texts()
     assert [name.strip() for name in ticked] == ["first floor.png", "ground.png"]
     page.get_by_role("dialog").get_by_role("button", name="Open").click()
     page.wait_for_function("() => editor.store.state.photos.length === 2 && !house.host.pending")
+    assert [photo["name"] for photo in drawing.photos] == ["floorplan.jpg", "hall_b.jpg"]
     rows = np.asarray(Image.open(home / "plan_source").convert("L")).min(axis=1) < 128
     first, second, third = np.flatnonzero(np.diff(rows.astype(int)) == 1)
     assert second - first > third - second  # the ground floor, with two lines, is the first
