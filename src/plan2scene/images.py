@@ -210,9 +210,9 @@ def read_reduced_image(
 ) -> tuple[np.ndarray, tuple[int, int]]:
     """Return an image as :func:`read_image` does, and the (height, width) of its file.
 
-    `page_of` makes it read a PDF too (:func:`decode_image`). An image with more than `MAX_PIXELS`
-    and up to `MAX_PHOTO_PIXELS` pixels is reduced, its longer side not below `side`: this takes
-    the memory of a picture of the reduced size, or about 1 GB.
+    `page_of` makes it read a PDF or an SVG too (:func:`decode_image`). An image with more than
+    `MAX_PIXELS` and up to `MAX_PHOTO_PIXELS` pixels is reduced, its longer side not below `side`:
+    this takes the memory of a picture of the reduced size, or about 1 GB.
     """
 
     def reduced(image: Image.Image) -> tuple[np.ndarray, tuple[int, int]]:
@@ -237,7 +237,7 @@ def decode_image(
 ) -> _Decoded:
     """Open an image with Pillow and return `decode` of it; any failure becomes an InputError.
 
-    A PDF is accepted too where `page_of` returns the picture of a page, given its path.
+    A PDF or an SVG is accepted too where `page_of` returns the picture of a page, given its path.
     """
     from PIL import Image, UnidentifiedImageError, features
 
@@ -251,7 +251,7 @@ def decode_image(
             _check_webp(head, max_pixels)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            if page_of and head.startswith(b"%PDF"):
+            if page_of and _kind_of(head) in _PAGES:
                 return decode(page_of(source))
             formats: tuple[str, ...] = FORMATS
             if head[4:8] == b"ftyp" and head[8:12] in _HEIF_BRANDS:
@@ -293,6 +293,9 @@ def _check_size(width: int, height: int, most: int) -> None:
         raise InputError(f"an image of at most {most} pixels", f"{width}x{height}")
     if width < 1 or height < 1:
         raise InputError("an image with pixels", f"{width}x{height}")
+
+
+_PAGES = ("a PDF", "SVG or XML")
 
 
 def _kind_of(head: bytes) -> str:

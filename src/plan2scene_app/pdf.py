@@ -1,4 +1,7 @@
-"""Pages of PDF files: how many there are, which have many lines, and their pictures (pypdfium2)."""
+"""Pages of PDF files: how many there are, which have many lines, and their pictures (pypdfium2).
+
+An SVG drawing counts as a file with one page.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from plan2scene.errors import InputError
+from plan2scene_app.svg import svg_picture
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -68,10 +72,10 @@ def pages_by_lines(path: Any) -> list[int]:
 
 
 def page_picture(number: int | None = None, side: int = PAGE_SIDE) -> Callable[[Any], Image.Image]:
-    """Return a function for :func:`plan2scene.images.decode_image` that renders a page of a PDF.
+    """Return a function for :func:`plan2scene.images.decode_image` that renders a page.
 
-    Its longer side has `side` pixels. Without its `number`, from 1, it is the page with the most
-    vector paths.
+    It is a page of a PDF, or an SVG drawing. Its longer side has `side` pixels. Without its
+    `number`, from 1, it is the page with the most vector paths.
     """
     return partial(_rendered, number=number, side=side)
 
@@ -115,6 +119,8 @@ def _goes_on(line: np.ndarray, box: np.ndarray) -> bool:
 
 
 def _rendered(path: Any, number: int | None, side: int) -> Image.Image:
+    if not is_pdf(path):
+        return svg_picture(path, side)
     number = number or pages_by_lines(path)[0]
     with opened(path) as document, closing(document[number - 1]) as page:
         return page.render(scale=side / max(page.get_size())).to_pil()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import zipfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -34,6 +35,11 @@ _SIGNATURES = (
 )
 
 
+#: The start of an SVG, and what shows that it names its rooms and walls, as those of CubiCasa do.
+_SVG = re.compile(rb"<svg[\s>]")
+_OF_PLANS = re.compile(rb"\b(?:class|id)\s*=\s*[\"'](?:Space|Wall)\b")
+
+
 #: JSON plans above this many bytes are refused: parsed, they take twenty times the memory.
 MAX_JSON_BYTES = 32_000_000
 
@@ -64,17 +70,19 @@ class PlanFile:
 
     @cached_property
     def binary(self) -> str:
-        """The kind of a file that is not text, by its first bytes; empty for text."""
+        """The kind of a file that is no text of a plan, by its first bytes; empty for such text."""
         if self.head[4:8] == b"ftyp":
             return "a HEIC or AVIF picture"
         kind = next((name for start, name in _SIGNATURES if self.head.startswith(start)), "")
+        if not kind and _SVG.search(self.head) and not _OF_PLANS.search(self.path.read_bytes()):
+            return "an SVG picture"
         if self.head.startswith(b"PK") and not zipfile.is_zipfile(self.path):
             return "a damaged file of Sweet Home 3D or another ZIP archive"
         return kind
 
     @property
     def is_picture(self) -> bool:
-        """Whether it is a picture or a PDF, from which a plan has to be traced."""
+        """Whether it is a picture, also an SVG, or a PDF, from which a plan has to be traced."""
         return self.binary.endswith("picture") or self.binary == "a PDF"
 
     @cached_property

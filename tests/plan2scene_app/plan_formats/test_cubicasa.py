@@ -97,14 +97,14 @@ SQUARE = '<g class="Space Kitchen"><polygon points="0,0 100,0 100,100 0,100"/>{}
 @pytest.mark.parametrize(
     ("inside", "line"),
     [
-        ("<rect/>", "groups of class Space or Wall, as CubiCasa has them, found none"),
+        ("<g id='Wall'/>", "groups of class Space or Wall, as CubiCasa has them, found none"),
         (SQUARE.format(""), "metres_per_pixel up to 1, or areas or sides written in the rooms"),
         (SQUARE.format("<text>0 m2</text>"), "metres_per_pixel up to 1"),
         ('<g class="Wall"><polygon points="0,0 1,0"/></g>', "a polygon of at least 3 points"),
         ('<g class="Wall"><polygon points="0,0 1,0 1,1e300"/></g>', "coordinates below 1e7"),
-        ('<g transform="scale()"/>', "an SVG transform, found scale()"),
-        ("<g>" * 200 + "</g>" * 200, "SVG groups at most 100 deep"),
-        ("<g>", "expected XML, found a syntax error"),
+        ('<g id="Wall" transform="scale()"/>', "an SVG transform, found scale()"),
+        ("<g id='Wall'>" * 200 + "</g>" * 200, "SVG groups at most 100 deep"),
+        ("<g id='Wall'>", "expected XML, found a syntax error"),
         (SQUARE.format("") * 3, "at most 2 walls and rooms"),
     ],
 )
