@@ -308,6 +308,7 @@ def _write_config(request: SingleHouse, root: Path, work: Path) -> Path:
     config["photos"]["known_fov_deg"] = request.fov_deg
     config["photos"]["masks"] = "imagenet" if imagenet_installed() else "embedded"
     config["floorplans"]["metres_per_pixel"] = request.metres_per_pixel
+    config["floorplans"]["warn"] = False  # `read_input` tells them with the user's paths
     config["floorplans"]["dxf_layers"] = dict(request.dxf_layers or {}) or None
     config["floorplans"]["names"] = (
         None if request.name in ("", request.house) else {request.house: request.name}

@@ -20,6 +20,7 @@ rule floorplan:
         metres_per_pixel=config["floorplans"]["metres_per_pixel"],
         dxf_layers=config["floorplans"]["dxf_layers"],
         traced=is_traced,
+        warn=config["floorplans"]["warn"],
         name=lambda wildcards: (config["floorplans"]["names"] or {}).get(
             wildcards.house, ""
         ),

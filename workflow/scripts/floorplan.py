@@ -3,7 +3,7 @@
 from plan2scene.datasets.import_plan import import_plan
 from plan2scene_app.workflow.jobs import job
 
-with job(snakemake.log[0]):
+with job(snakemake.log[0], warn=snakemake.params.warn):
     import_plan(
         snakemake.params.named["plan"],
         snakemake.output[0],

@@ -13,8 +13,10 @@ from plan2scene.errors import InputError, one_line_errors
 
 
 @contextmanager
-def job(log: str | Path) -> Iterator[logging.Logger]:
-    """Log to file `log` (and warnings to stderr); an InputError becomes one line and exit code 1.
+def job(log: str | Path, *, warn: bool = True) -> Iterator[logging.Logger]:
+    """Log to file `log`, and errors to stderr; an InputError becomes one line and exit code 1.
+
+    Warnings go to stderr, too, if `warn` is set.
 
     Control-C ends it without a message (exit code 130).
 
@@ -24,9 +26,9 @@ def job(log: str | Path) -> Iterator[logging.Logger]:
     logger = logging.getLogger("plan2scene")
     logger.setLevel(logging.INFO)
     Path(log).parent.mkdir(parents=True, exist_ok=True)
-    warnings = logging.StreamHandler(sys.stderr)
-    warnings.setLevel(logging.WARNING)
-    handlers = warnings, logging.FileHandler(log, mode="w", encoding="utf-8")
+    faults = logging.StreamHandler(sys.stderr)
+    faults.setLevel(logging.WARNING if warn else logging.ERROR)
+    handlers = faults, logging.FileHandler(log, mode="w", encoding="utf-8")
     for handler in handlers:
         handler.setFormatter(logging.Formatter("%(levelname)s %(message)s"))
         logger.addHandler(handler)
