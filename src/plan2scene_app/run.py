@@ -8,8 +8,9 @@ import io
 import logging
 import shutil
 import sys
+import tempfile
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -29,6 +30,7 @@ from plan2scene_app.check import photo_problem
 from plan2scene_app.finishes import finishes_file, read_finishes
 from plan2scene_app.out_folder import OutFolder, claimed_folder
 from plan2scene_app.packed_photos import photo_files, unpacked
+from plan2scene_app.panoramas import FOV_DEG, cut_panoramas, panorama_of
 from plan2scene_app.tracing.picture import paper_share, read_plan_picture
 from plan2scene_app.tracing.settings import SETTINGS
 
@@ -92,6 +94,8 @@ class SingleHouse:
     name: str = ""
     #: Further pictures: each shows another storey of the home.
     storeys: tuple[Path, ...] = ()
+    #: Files of the views of each 360-degree photo, by name; see `panoramas.cut_panoramas`.
+    views: Mapping[str, Mapping[str, Path]] = field(default_factory=dict)
 
 
 def is_picture(request: SingleHouse) -> bool:
@@ -132,10 +136,12 @@ def read_input(request: SingleHouse) -> list[str]:
         names = photos_in(request.photos_dir, plan_files(request))
     else:
         return []
+    names = list(dict.fromkeys(view for name in names for view in request.views.get(name, [name])))
     faults: dict[str, str] = {}
     for name, path in _photo_paths(request, names).items():
         try:
             photo_problem(path, house_id=request.house)
+            panorama_of(path)
         except InputError as fault:
             faults[name] = str(fault)
     if names and len(faults) == len(names):
@@ -148,6 +154,18 @@ def read_input(request: SingleHouse) -> list[str]:
         _LOG.warning("%d of %d photos are used", len(names) - len(faults), len(names))
     # What a table names stays: the workflow says of it, too, why it is left out.
     return names if request.photo_table else [name for name in names if name not in faults]
+
+
+def _views(request: SingleHouse, folder: Path) -> dict[str, dict[str, Path]]:
+    """Cut the 360-degree photos of a request into views in a folder (`cut_panoramas`)."""
+    if request.photos_dir is not None and request.photos_dir.is_dir():
+        photos = photo_files(request.photos_dir)
+    elif request.photo_table is not None and request.photo_table.is_file():
+        rows = read_assignment(request.photo_table, house_id=request.house)
+        photos = _photo_paths(request, sorted({row.photo for row in rows}))
+    else:
+        return {}
+    return cut_panoramas(photos, folder, request.fov_deg or FOV_DEG)
 
 
 def photos_in(folder: Path, plans: Collection[Path]) -> list[str]:
@@ -192,6 +210,8 @@ def _photo_paths(request: SingleHouse, names: list[str]) -> dict[str, Path]:
     table = request.photo_table
     folder = request.photos_dir or (table.parent if table else Path())
     files = photo_files(folder) if request.photos_dir and folder.is_dir() else {}
+    for views in request.views.values():
+        files |= views
     paths = {}
     for name in names:
         path = safe_join(folder, name, file=table or folder, house_id=request.house)
@@ -220,7 +240,9 @@ def prepare(request: SingleHouse, names: list[str], work: Path) -> Path:
     if request.photo_table is not None or names:
         _copy_photos(names, photos, request)
         assignment = "photoroom.csv"
-    if request.photo_table is not None:
+    if request.photo_table is not None and request.views:
+        _write_changed(_table_of_views(request).encode(), root / assignment)
+    elif request.photo_table is not None:
         _copy_changed(request.photo_table, root / assignment)
     elif names:
         _write_changed(_table_of(names).encode(), root / assignment)
@@ -244,6 +266,16 @@ def _table_of(names: list[str]) -> str:
     """Return the text of a photo table (CSV) for photos whose rooms are not known."""
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows([["photo"], *([name] for name in names)])
+    return text.getvalue()
+
+
+def _table_of_views(request: SingleHouse) -> str:
+    """Return the text of the photo table, with views in place of the 360-degree photos."""
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(["room_id", "photo"])
+    for row in read_assignment(request.photo_table, house_id=request.house):
+        table.writerows([row.room_id, view] for view in request.views.get(row.photo, [row.photo]))
     return text.getvalue()
 
 
@@ -348,8 +380,9 @@ def run(
         raise InputError(f"a texture size of {TEXTURE_SIZES} pixels", str(request.texture_size))
     sources = (*plan_files(request), request.photo_table, request.photos_dir)
     inputs = [path for path in sources if path is not None]
-    with unpacked(request.photos_dir) as photos_dir:
+    with unpacked(request.photos_dir) as photos_dir, tempfile.TemporaryDirectory() as views:
         request = replace(request, photos_dir=photos_dir)
+        request = replace(request, views=_views(request, Path(views)))
         names = read_input(request)
         wanted = (*DELIVERED, *OF_PHOTOS) if names else DELIVERED
         wanted += TRACED if is_picture(request) else ()

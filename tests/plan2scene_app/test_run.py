@@ -65,6 +65,17 @@ def test_what_is_wanted_first_lies_there_before_the_rest_is_made(given, monkeypa
     assert seen == [[1, False], [5, viewer.stat().st_mtime_ns]]  # nor is it copied again
 
 
+def test_a_table_names_the_views_of_a_panorama(given, tmp_path):
+    (table := given / "1" / "photos.csv").write_text("photo,room_id\na.jpg,hall\nb.jpg,bath\n")
+    views = {"a.jpg": {f"a_{k}.jpg": given / "1" / "b.jpg" for k in (1, 2)}}
+    asked = replace(request(table.parent), views=views)
+    prepare(asked, ["a_1.jpg", "a_2.jpg", "b.jpg"], tmp_path)
+    rows = (tmp_path / "dataset" / "photoroom.csv").read_text().splitlines()
+    assert rows == ["room_id,photo", "hall,a_1.jpg", "hall,a_2.jpg", "bath,b.jpg"]
+    names = sorted(path.name for path in (tmp_path / "dataset" / "photos").iterdir())
+    assert names == ["a_1.jpg", "a_2.jpg", "b.jpg"]
+
+
 @pytest.mark.parametrize(("installed", "masks"), [(True, "imagenet"), (False, "embedded")])
 def test_photos_are_labelled_by_the_best_that_is_installed(given, monkeypatch, installed, masks):
     monkeypatch.setattr(runs, "imagenet_installed", lambda: installed)

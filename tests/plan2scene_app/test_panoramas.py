@@ -1,0 +1,63 @@
+import io
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from plan2scene.errors import InputError
+from plan2scene.photos.camera.exif import read_exif_focal
+from plan2scene_app.panoramas import Panorama, cut_panoramas, panorama_of, views_of
+
+HEADINGS, LINES = np.meshgrid((np.arange(1200) + 0.5) / 1200, (np.arange(600) + 0.5) / 600)
+
+
+def sphere(path, columns=slice(None), xmp=None):
+    """A photo whose colours tell heading (red, green: cosine, sine) and height (blue)."""
+    turn = 2 * np.pi * HEADINGS
+    flat = np.sin(np.pi * LINES)  # the poles show one point each
+    pixels = 127.5 + 127.5 * np.stack([-np.cos(turn) * flat, -np.sin(turn) * flat, 2 * LINES - 1])
+    image = Image.fromarray(np.moveaxis(pixels, 0, 2)[:, columns].astype(np.uint8))
+    image.save(path, quality=95, **({"xmp": xmp} if xmp else {}))
+    return path
+
+
+def turned(red, green, heading):
+    """Degrees from a heading to the one that a colour tells."""
+    return (np.degrees(np.arctan2(green, red)) - heading + 180) % 360 - 180
+
+
+def test_views_look_around_and_know_their_lens(tmp_path):
+    path = sphere(tmp_path / "hall.jpg")
+    assert panorama_of(path) == Panorama((600, 1200))
+    views = cut_panoramas({"hall.jpg": path, "b.jpg": tmp_path / "none.jpg"}, tmp_path)
+    assert [*views] == ["hall.jpg"] and len(views["hall.jpg"]) == 6
+    for number, file in enumerate(views["hall.jpg"].values()):
+        image = np.asarray(Image.open(file)).astype(float)
+        height, width = image.shape[:2]
+        assert read_exif_focal(file, (height, width)).focal_px == pytest.approx(width / 2, rel=0.01)
+        red, green, blue = (image / 127.5 - 1)[height // 2, width // 2]
+        assert turned(red, green, 60 * number) == pytest.approx(0, abs=2)
+        assert 90 * blue == pytest.approx(10, abs=2)  # degrees below the horizon
+        red, green, _ = (image / 127.5 - 1)[height // 2, -1]
+        assert turned(red, green, 60 * number + 45.4) == pytest.approx(0, abs=2)
+
+
+def test_a_part_of_a_sphere_gives_the_views_that_it_shows(tmp_path):
+    names = "FullPanoWidthPixels", "FullPanoHeightPixels", "CroppedAreaLeftPixels"
+    told = zip((*names, "CroppedAreaImageWidthPixels"), (2400, 1200, 800, 1000), strict=True)
+    xmp = 'GPano:ProjectionType="equirectangular"' + "".join(f' GPano:{n}="{v}"' for n, v in told)
+    path = sphere(tmp_path / "part.jpg", slice(400, 900), xmp.encode())
+    panorama = panorama_of(path)
+    assert panorama == Panorama((600, 1200), left=400)
+    (first,) = (np.asarray(Image.open(io.BytesIO(v))) for v in views_of(path, panorama))
+    red, green, _ = first[first.shape[0] // 2, first.shape[1] // 2] / 127.5 - 1
+    assert turned(red, green, 0) == pytest.approx(0, abs=2)
+
+
+def test_flat_photos_are_none_and_wide_ones_without_angles_are_told(tmp_path):
+    sphere(tmp_path / "flat.jpg", slice(100, 900))
+    Image.fromarray(np.arange(720_000).reshape(600, 1200).astype(np.uint8)).save(tmp_path / "b.png")
+    assert [panorama_of(tmp_path / name) for name in ("flat.jpg", "b.png")] == [None, None]
+    Image.new("RGB", (900, 300)).save(tmp_path / "wide.png")
+    with pytest.raises(InputError, match="a panorama without angles"):
+        panorama_of(tmp_path / "wide.png")
