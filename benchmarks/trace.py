@@ -99,19 +99,26 @@ def compare(plan: TracedPlan, truth: Truth) -> dict[str, float]:
     """Return the figures of one traced plan."""
 
     def pixels(points: np.ndarray) -> np.ndarray:
-        return plan.in_file(np.asarray(points, float))
+        placed = plan.in_file(np.asarray(points, float))
+        if plan.sheet is None:
+            return placed
+        return cv2.perspectiveTransform(placed[:, None], plan.sheet.to_picture)[:, 0]
 
-    rooms = [Polygon(pixels(np.array(r.polygon.exterior.coords))) for r in plan.rooms]
+    rings = [np.array(room.polygon.exterior.coords) for room in plan.rooms]
+    flat = [Polygon(plan.in_file(ring)) for ring in rings]
+    rooms = [Polygon(pixels(ring)) for ring in rings]
     overlaps = np.array(
         [[a.intersection(b).area / a.union(b).area for b in truth.rooms] for a in rooms]
     )
     rows, columns = linear_sum_assignment(-overlaps)
     pairs = [(i, j) for i, j in zip(rows, columns, strict=True) if overlaps[i, j] >= 0.5]
     metres = plan.file_metres
-    errors = [abs(rooms[i].area * metres**2 / truth.areas[j] - 1) for i, j in pairs]
+    errors = [abs(flat[i].area * metres**2 / truth.areas[j] - 1) for i, j in pairs]
     bounds = np.concatenate([np.array(r.exterior.coords) for r in truth.rooms])
     near = NEAR * float(np.ptp(bounds, axis=0).max())
-    scale = abs(metres / truth.metres - 1)
+    # Of a sheet's pixels, as many as the rooms cover, for one of the photo.
+    shrunk = np.sqrt(sum(room.area for room in flat) / sum(room.area for room in rooms))
+    scale = abs(metres * shrunk / truth.metres - 1)
     return {
         "rooms": f1(len(pairs), len(rooms), len(truth.rooms)),
         "corners": corner_f1(rooms, truth.rooms, near),

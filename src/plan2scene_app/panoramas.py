@@ -19,6 +19,7 @@ import numpy as np
 
 from plan2scene.errors import InputError
 from plan2scene.images import decode_image, to_small_srgb
+from plan2scene.photos.camera.exif import VIEW_MAKER
 
 _LOG = logging.getLogger("plan2scene")
 #: Views of a whole turn; with 90 degrees each, neighbours share a third of what they show.
@@ -181,6 +182,7 @@ def _jpeg(view: np.ndarray, focal_px: float) -> bytes:
     from PIL.TiffImagePlugin import IFDRational
 
     exif = Image.Exif()
+    exif[ExifTags.Base.Software] = VIEW_MAKER
     focal_mm = 10
     exif.get_ifd(ExifTags.IFD.Exif).update(
         {

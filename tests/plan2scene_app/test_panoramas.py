@@ -34,7 +34,8 @@ def test_views_look_around_and_know_their_lens(tmp_path):
     for number, file in enumerate(views["hall.jpg"].values()):
         image = np.asarray(Image.open(file)).astype(float)
         height, width = image.shape[:2]
-        assert read_exif_focal(file, (height, width)).focal_px == pytest.approx(width / 2, rel=0.01)
+        lens = read_exif_focal(file, (height, width))
+        assert lens.told and lens.focal_px == pytest.approx(width / 2, rel=0.01)
         red, green, blue = (image / 127.5 - 1)[height // 2, width // 2]
         assert turned(red, green, 60 * number) == pytest.approx(0, abs=2)
         assert 90 * blue == pytest.approx(10, abs=2)  # degrees below the horizon

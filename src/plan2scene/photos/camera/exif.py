@@ -30,6 +30,8 @@ FRAME_DIAGONAL_MM = 43.2666  #: Diagonal of a 36 x 24 mm frame
 FOV_RANGE_DEG = (30.0, 120.0)  #: Horizontal fields of view that are accepted, degrees
 #: Relative difference of aspect ratios above which a photo counts as cropped.
 ASPECT_TOLERANCE = 0.02
+#: Software of the flat views that are cut from a 360-degree photo: their focal length is exact.
+VIEW_MAKER = "plan2scene views"
 #: Millimetres per focal plane resolution unit (inch, centimetre, millimetre).
 UNIT_MM = {2: 25.4, 3: 10.0, 4: 1.0}
 
@@ -44,7 +46,7 @@ class ExifFocal:
     cropped: bool = False
     warning: str = ""  #: why a given focal length is not used; empty otherwise
     model: str = ""  #: the camera's model; empty when unknown
-    #: The user gave the focal length: vanishing points do not overrule it.
+    #: The focal length is exact or the user gave it: vanishing points do not overrule it.
     told: bool = False
 
 
@@ -76,7 +78,8 @@ def read_exif_focal(path: str | os.PathLike[str], size: tuple[int, int]) -> Exif
             f"{FOV_RANGE_DEG[0]:.0f} to {FOV_RANGE_DEG[1]:.0f}",
             model=model,
         )
-    return ExifFocal(focal, _is_cropped(noted, size), model=model)
+    exact = tags.get(Tag.Software) == VIEW_MAKER
+    return ExifFocal(focal, _is_cropped(noted, size), model=model, told=exact)
 
 
 def _tags(path: str | os.PathLike[str]) -> dict[int, Any]:
@@ -92,7 +95,8 @@ def _exif_block(image: Image.Image) -> dict[int, Any]:
     if image.format not in FORMATS:
         return {}
     tags = image.getexif()
-    return {**tags.get_ifd(ExifTags.IFD.Exif), Tag.Model: tags.get(Tag.Model)}
+    named = {tag: tags.get(tag) for tag in (Tag.Model, Tag.Software)}
+    return tags.get_ifd(ExifTags.IFD.Exif) | named
 
 
 def _number(value: Any) -> float:
