@@ -45,7 +45,8 @@ def write_simulator(house: House, textures: dict[SurfaceKey, TileTexture], folde
     assembly = assemble(house)
     parts, solids = assembly.parts, house_solids(house, assembly)
     write_glb(house, textures, folder / "house.glb", parts)
-    _write_scene(folder / "collision.glb", [_collision(solid) for solid in solids])
+    fixed = [_collision(solid) for solid in solids if not solid.ajar]
+    _write_scene(folder / "collision.glb", fixed)
     instances = instances_of(parts)
     _write_scene(folder / "semantic.glb", [_painted(*instance[:2]) for instance in instances])
     rows = [

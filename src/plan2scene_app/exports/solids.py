@@ -17,7 +17,7 @@ from shapely.ops import unary_union
 
 from plan2scene.house import House
 from plan2scene.mesh.assembly import Assembly, Storey, assemble
-from plan2scene.mesh.joinery import JOINERY, is_hatch
+from plan2scene.mesh.joinery import JOINERY, is_glazed, is_hatch
 from plan2scene.mesh.parts import MeshPart, numbered
 from plan2scene.mesh.polygons import polygons_of, triangulate
 from plan2scene.mesh.structure import Body, open_plate
@@ -72,6 +72,9 @@ class Solid:
         Closed convex meshes that face outward; together they fill the solid. Metres, world axes.
     hinge : Hinge or None
         The hinge of a door leaf, None for anything else.
+    ajar : bool
+        Whether it is a leaf that stands open in the textured house: a body that cannot turn would
+        shut its room off.
     """
 
     name: str
@@ -79,6 +82,7 @@ class Solid:
     room_ids: tuple[str, ...]
     pieces: tuple[trimesh.Trimesh, ...] = field(compare=False)
     hinge: Hinge | None = None
+    ajar: bool = False
 
 
 def house_solids(house: House, assembly: Assembly | None = None) -> list[Solid]:
@@ -111,10 +115,12 @@ def storey_solids(storey: Storey) -> list[Solid]:
                 solids.append(Solid(f"{room.id}/{surface}", surface, (room.id,), pieces))
     solids.extend(_walls(storey, ways))
     solids.extend(_thresholds(storey, ways))
+    rooms = {room.id: room for room in storey.house.rooms}
     indoors = {room.id for room in storey.house.rooms if not room.open_air}
     for portal in storey.portals:
         if not is_hatch(portal, indoors):
-            solids.extend(_fillings(portal))
+            ajar = portal.other is not None and not is_glazed(portal, rooms)
+            solids.extend(_fillings(portal, ajar=ajar))
     solids.extend(_boxed(part) for part in storey.parts if part.extras["kind"] in BOXED)
     return solids
 
@@ -219,8 +225,11 @@ def _thresholds(storey: Storey, ways: dict[int, Polygon]) -> list[Solid]:
     return solids
 
 
-def _fillings(portal: Portal) -> list[Solid]:
-    """Return what fills an opening: a pane, one or two door leaves, or nothing in a passage."""
+def _fillings(portal: Portal, *, ajar: bool) -> list[Solid]:
+    """Return what fills an opening: a pane, one or two door leaves, or nothing in a passage.
+
+    `ajar` is that of the leaves.
+    """
     hole, room = portal.hole, portal.side.room_id
     both = (room,) if portal.other is None else (room, portal.other)
     name = f"{room}/{hole.opening.kind}/{hole.opening.id}"
@@ -242,7 +251,7 @@ def _fillings(portal: Portal) -> list[Solid]:
         )
         x, z = portal.side.frame.plan(hole.left + hinge, -portal.depth / 2)
         axis = Hinge(float(x), float(z), 1 if edge < hinge else -1)
-        leaves.append(Solid(f"{name}/leaf{number}", "door", both, (body,), axis))
+        leaves.append(Solid(f"{name}/leaf{number}", "door", both, (body,), axis, ajar))
     return leaves
 
 

@@ -203,11 +203,11 @@ class _Stage:
         return shader.ConnectableAPI()
 
     def _collision(self, solids: Sequence[Solid]) -> None:
-        """Add the convex bodies; they are not rendered (purpose `guide`)."""
+        """Add the convex bodies of what stands still; they are not rendered (purpose `guide`)."""
         from pxr import UsdGeom, UsdPhysics
 
         UsdGeom.Scope.Define(self.stage, "/house/collision")
-        for solid in solids:
+        for solid in (solid for solid in solids if not solid.ajar):
             for number, piece in enumerate(solid.pieces):
                 name = f"{solid.name}/{number}"
                 path = self._define("/house/collision", name)
