@@ -47,7 +47,7 @@ def write_simulator(house: House, textures: dict[SurfaceKey, TileTexture], folde
     write_glb(house, textures, folder / "house.glb", parts)
     fixed = [_collision(solid) for solid in solids if not solid.ajar]
     _write_scene(folder / "collision.glb", fixed)
-    instances = instances_of(parts)
+    instances = instances_of(house, parts)
     _write_scene(folder / "semantic.glb", [_painted(*instance[:2]) for instance in instances])
     rows = [
         f'{number},{_hex(colour)},"{category}",{region}'
@@ -86,20 +86,24 @@ def stage_config() -> dict[str, Any]:
 Instance = tuple[MeshPart, tuple[int, int, int], str, int]
 
 
-def instances_of(parts: list[MeshPart]) -> list[Instance]:
+def instances_of(house: House, parts: list[MeshPart]) -> list[Instance]:
     """Return each part with a unique colour, its category and the number of its region.
 
-    Rooms are numbered as regions from 0 in order of appearance; a part without a room has -1.
+    The house's rooms are numbered as regions from 0; a part without a room has -1.
     """
-    rooms = list(dict.fromkeys(part.extras.get("room_id") for part in parts))
-    rooms = [room for room in rooms if room is not None]
+    rooms: list[object] = [room.id for room in house.rooms]
     instances: list[Instance] = []
     for number, part in enumerate(parts, start=1):
-        kind = str(part.extras.get("kind", ""))
         room = part.extras.get("room_id")
         region = rooms.index(room) if room is not None else -1
-        instances.append((part, instance_colour(number), CATEGORIES.get(kind, kind), region))
+        instances.append((part, instance_colour(number), category_of(part), region))
     return instances
+
+
+def category_of(part: MeshPart) -> str:
+    """Return a part's semantic category; an object of the plan has its own: ``toilet`` ..."""
+    kind = str(part.extras.get("kind", ""))
+    return str(part.extras.get("category", CATEGORIES.get(kind, kind)))
 
 
 def instance_colour(number: int) -> tuple[int, int, int]:

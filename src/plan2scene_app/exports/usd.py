@@ -23,7 +23,7 @@ from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.glb import roughness
 from plan2scene.mesh.parts import GLASS, MeshPart
 from plan2scene.mesh.texture_files import UNTEXTURED, TileTexture
-from plan2scene_app.exports.simulator import CATEGORIES
+from plan2scene_app.exports.simulator import category_of
 from plan2scene_app.exports.solids import Solid, house_solids
 
 #: Date of all files in a package, 1 January 2000: with it a house always gives the same bytes.
@@ -145,8 +145,7 @@ class _Stage:
             colours.Set(Vt.Vec3fArray.FromNumpy(linear))
         mesh.CreateDoubleSidedAttr(part.material == "glass")
         UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(self._material(part, tile))
-        kind = str(part.extras.get("kind", ""))
-        _label(mesh.GetPrim(), CATEGORIES.get(kind, kind))
+        _label(mesh.GetPrim(), category_of(part))
 
     def _material(self, part: MeshPart, tile: TileTexture | None) -> Any:
         """Return the material of a part; parts that look alike share one."""
