@@ -61,8 +61,12 @@ def _values(config: Mapping[str, Any]) -> Iterator[tuple[str, object]]:
 
 
 def check_checkpoints(config: Mapping[str, Any]) -> None:
-    """Raise InputError if a needed checkpoint is not named, or a named one is not a file."""
+    """Raise InputError if a needed checkpoint is not named, or a named one is not a file.
+
+    The same holds for a folder of precomputed labels. Otherwise each house would fail on its own.
+    """
     paths = {f"metrics.{name}": config["metrics"][name] for name in ("vgg16", "inception")}
+    paths |= {f"models.{name}": path for name, path in config["models"].items()}
     if config["weights"] == "official":
         names = ("texture", "propagation", "naivesynth")
         paths |= {f"official.{name}": config["official"][name] for name in names}
@@ -73,6 +77,9 @@ def check_checkpoints(config: Mapping[str, Any]) -> None:
     for name, path in paths.items():
         if path is not None and not Path(path).is_file():
             raise InputError(f"a checkpoint ({name})", "no such file", file=path)
+    folder = config["photos"]["masks_folder"]
+    if config["photos"]["masks"] == "precomputed" and not (folder and Path(folder).is_dir()):
+        raise InputError("a folder of label PNGs (photos.masks_folder)", str(folder or "null"))
 
 
 def table_of(dataset: Mapping[str, Any]) -> HouseTable:

@@ -41,15 +41,18 @@ def test_only_photos_that_exist_inside_the_folder(tmp_path):
     assert photo_paths(folder, ["a.jpg", "b.jpg", "../secret.jpg"]) == [folder / "a.jpg"]
 
 
-def test_official_weights_need_their_checkpoints(tmp_path):
-    there = tmp_path / "a.ckpt"
-    there.write_bytes(b"")
-    given = {"texture": str(there), "propagation": str(there), "naivesynth": None}
-    config = {"metrics": {"vgg16": None, "inception": None}, "weights": "official"}
-    check_checkpoints(config | {"official": given})
+def test_checkpoints_and_folders_that_are_needed():
+    given = {"texture": __file__, "propagation": __file__, "naivesynth": None}
+    config = {"metrics": {"vgg16": None, "inception": None}, "weights": "official", "models": {}}
+    config |= {"official": given, "photos": {"masks": "embedded", "masks_folder": None}}
+    check_checkpoints(config)
     check_checkpoints(config | {"weights": "embedded"})
     for name in ("texture", "propagation"):
         with pytest.raises(InputError, match=f"a path for official.{name}, found null"):
             check_checkpoints(config | {"official": given | {name: None}})
     with pytest.raises(InputError, match=r"official\.naivesynth\), found no such file"):
         check_checkpoints(config | {"official": given | {"naivesynth": "no.ckpt"}})
+    with pytest.raises(InputError, match=r"models\.kinds\), found no such file"):
+        check_checkpoints(config | {"models": {"kinds": "no.safetensors"}})
+    with pytest.raises(InputError, match=r"photos\.masks_folder\), found null"):
+        check_checkpoints(config | {"photos": {"masks": "precomputed", "masks_folder": None}})
