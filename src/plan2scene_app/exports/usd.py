@@ -52,7 +52,7 @@ def write_usd(house: House, textures: Mapping[SurfaceKey, TileTexture], folder: 
 def _pack(folder: Path, package: Path) -> None:
     """Write the layer of a folder, and then its images, into one package.
 
-    All files get one fixed date, because the package stores it.
+    All files get one fixed date there, because the package stores it.
     """
     from pxr import Sdf
 
@@ -60,6 +60,7 @@ def _pack(folder: Path, package: Path) -> None:
     for file in (folder / "house.usdc", *sorted((folder / "textures").iterdir())):
         os.utime(file, (_DATE, _DATE))
         writer.AddFile(str(file), file.relative_to(folder).as_posix())
+        os.utime(file)  # now: rsync would not copy a file of the same size and date again
     writer.Save()
 
 
