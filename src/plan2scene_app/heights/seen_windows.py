@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -33,7 +34,7 @@ class SeenWindowSettings:
     sure: float = 0.65  #: least mean probability of a window in a cell that belongs to one
     bridged: float = 0.25  #: gaps up to about this size are closed (mullions, curtains, furniture)
     least: float = 0.4  #: least width and height of a window
-    door: float = 0.35  #: a window that begins below this height reaches the floor
+    door: float = 0.3  #: a window that begins below this height reaches the floor
     head: float = 1.5  #: least height of a window's top above the floor
 
 
@@ -109,12 +110,17 @@ def _window(shot: Shot) -> np.ndarray:
 
 
 def _segments(shape: RoomShape, hole: Hole, likely: np.ndarray) -> Iterator[Segment]:
-    """Yield the windows of a stretch of wall; `likely` are the cells of :func:`_likely`."""
+    """Yield the windows of a stretch of wall beside its doors; `likely` is :func:`_likely`'s."""
     cell = SEEN_WINDOWS.cell
     sure = np.asarray(likely >= SEEN_WINDOWS.sure, np.uint8)
-    kernel = np.ones((1 + round(SEEN_WINDOWS.bridged / cell),) * 2, np.uint8)
+    side = 1 + 2 * math.ceil(SEEN_WINDOWS.bridged / cell / 2)  # odd: an even one moves the windows
+    kernel = np.ones((side, side), np.uint8)
     pad = len(kernel)
     closed = cv2.morphologyEx(np.pad(sure, pad), cv2.MORPH_CLOSE, kernel)[pad:-pad, pad:-pad]
+    along = hole.start + cell * (0.5 + np.arange(closed.shape[1]))
+    for drawn in shape.holes:
+        if drawn.edge == hole.edge and drawn.kind in ("door", "passage"):  # no window is drawn
+            closed[:, (along > drawn.start - cell / 2) & (along < drawn.end + cell / 2)] = 0
     _, _, boxes, _ = cv2.connectedComponentsWithStats(closed)
     for left, low, width, height, _ in boxes[1:]:
         top = (low + height) * cell

@@ -8,6 +8,7 @@ from plan2scene.photos.labels.palette import WALL, WINDOW
 from plan2scene.photos.locate.locate_photos import locate_shots
 from plan2scene.photos.locate.plan_view import UNDRAWN, room_shapes, searched_shapes
 from plan2scene.plans.usual_windows import guesses_windows, with_usual_windows
+from plan2scene.plans.validate import validate_house
 from plan2scene_app.heights.seen_windows import with_seen_windows
 
 TRUE = box_house()
@@ -49,7 +50,7 @@ def test_windows_lie_where_photos_show_them():
         assert len(windows) == len(true[wall.id])
         for found, told in zip(windows, true[wall.id], strict=True):
             for value in ("start", "end", "bottom", "top"):
-                assert getattr(found, value) == pytest.approx(getattr(told, value), abs=0.2)
+                assert getattr(found, value) == pytest.approx(getattr(told, value), abs=0.06)
 
 
 def test_what_ends_low_or_has_no_wall_is_no_window():
@@ -62,6 +63,14 @@ def test_what_ends_low_or_has_no_wall_is_no_window():
     low = with_openings(TRUE, lambda o: o.kind == "window", bottom=0.5, top=1.3)
     photos = shots(low)
     assert with_seen_windows(undrawn(), photos, locate_shots(low, photos).poses) == undrawn()
+
+
+def test_a_window_in_photos_leaves_the_drawn_doors_free():
+    doors = with_openings(TRUE, lambda o: o.kind == "window", kind="door", bottom=0.0, end=2.46)
+    photos = shots(TRUE)
+    seen = with_seen_windows(with_usual_windows(doors), photos, locate_shots(TRUE, photos).poses)
+    assert not guesses_windows(seen)
+    assert not [line for line in validate_house(seen) if "apart" in line]
 
 
 def test_rooms_without_a_window_in_photos_keep_their_guess():
