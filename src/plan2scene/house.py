@@ -268,10 +268,11 @@ class House:
         }
 
     def rooms_called(self, text: str) -> list[Room]:
-        """Return the room whose id is `text`, else all rooms with that name."""
+        """Return the room whose id is `text`, else all rooms with that name or id in any case."""
         by_id = [room for room in self.rooms if room.id == text]
-        by_name = [room for room in self.rooms if room.name and _plain(room.name) == _plain(text)]
-        return by_id or by_name
+        plain = _plain(text)
+        alike = [r for r in self.rooms if plain and plain in (_plain(r.name), _plain(r.id))]
+        return by_id or alike
 
     def level_of(self, room_id: str) -> Level:
         """Return the level of a room; :data:`GROUND` where the house has no levels."""

@@ -7,6 +7,7 @@ functions that need them: a job without tables never loads pandas.
 
 from __future__ import annotations
 
+import csv
 import hashlib
 import json
 import os
@@ -197,6 +198,19 @@ def read_text(path: str | os.PathLike[str]) -> str:
         raise InputError("UTF-8 text", f"bytes that are not ({error.reason})", file=file) from None
     except OSError as error:
         raise InputError("a readable file", error.strerror or "an error", file=file) from None
+
+
+def read_csv(path: str | os.PathLike[str]) -> list[list[str]]:
+    """Return the rows of a table, their cells without spaces around them; InputError if damaged.
+
+    Commas separate the cells, or what spreadsheets of some countries write: semicolons or tabs.
+    """
+    lines = read_text(path).splitlines()
+    mark = next((mark for mark in ",;\t" if lines and mark in lines[0]), ",")
+    try:
+        return [[c.strip() for c in row] for row in csv.reader(lines, delimiter=mark, strict=True)]
+    except csv.Error as error:
+        raise InputError("a CSV table", str(error), file=path) from None
 
 
 def read_json(path: str | os.PathLike[str]) -> Any:

@@ -19,7 +19,7 @@ from pathlib import Path
 
 from plan2scene.errors import InputError
 from plan2scene.house import SurfaceKey
-from plan2scene.io import read_text
+from plan2scene.io import read_csv
 
 #: Prefix of the `source` of a texture that is set by hand.
 BY_HAND = "set by hand: "
@@ -57,14 +57,15 @@ def read_finishes(path: str | Path) -> dict[SurfaceKey, str]:
     """Return the finishes by room and surface; InputError for a row that is not valid."""
     if Path(path).stat().st_size > _MOST:
         raise InputError(f"at most {_MOST} bytes", "more", file=path)
-    rows = [row for row in csv.reader(io.StringIO(read_text(path))) if any(row)]
-    if not rows or [cell.strip() for cell in rows[0]] != COLUMNS:
-        raise InputError(f"the columns {', '.join(COLUMNS)}", str(rows[:1]), file=path)
+    rows = [row for row in read_csv(path) if any(row)]
+    if not rows or [cell.lower() for cell in rows[0]] != COLUMNS:
+        found = ", ".join(rows[0]) if rows else "no table"
+        raise InputError(f"the columns {', '.join(COLUMNS)}", found, file=path)
     finishes = {}
     for row in rows[1:]:
         if len(row) != len(COLUMNS):
             raise InputError(f"{len(COLUMNS)} cells in each row", str(row), file=path)
-        room, surface, what = (cell.strip() for cell in row)
+        room, surface, what = row
         check_finish(room, surface, what, file=path)
         finishes[SurfaceKey(room, surface)] = what
     return finishes

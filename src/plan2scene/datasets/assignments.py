@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import logging
 from collections.abc import Sequence
 from functools import partial
@@ -11,7 +10,7 @@ from typing import NamedTuple
 
 from plan2scene.errors import InputError
 from plan2scene.house import House
-from plan2scene.io import absent, read_text, safe_join
+from plan2scene.io import absent, read_csv, safe_join
 
 _log = logging.getLogger("plan2scene")
 MAX_ROWS = 10_000  #: Largest number of rows of one house's photo table
@@ -26,7 +25,12 @@ class PhotoAssignment(NamedTuple):
 
 
 def read_assignment(
-    path: str | Path | None, house: House | None = None, *, house_id: str = "", traced: bool = False
+    path: str | Path | None,
+    house: House | None = None,
+    *,
+    house_id: str = "",
+    traced: bool = False,
+    told: bool = False,
 ) -> tuple[PhotoAssignment, ...]:
     """Return the rows of a photo table in file order, repeated rows once.
 
@@ -36,7 +40,7 @@ def read_assignment(
     file or a table without rows give no rows; :func:`check_assignment` warns of that. With a
     `house` each room must be one of its rooms, by id or by name; without it, `house_id` names the
     house in messages. With `traced` the table may be older than the plan: a room that the plan
-    lacks counts as empty.
+    lacks counts as empty, with a warning that says so unless it is `told` already.
 
     Raises InputError for a missing column, a row without a photo, a room that the plan lacks, a
     photo name with ``..`` or a leading ``/``, or two photos with the same stem (masks are
@@ -47,25 +51,24 @@ def read_assignment(
     fault = partial(InputError, file=path, house=name)
     kept: dict[PhotoAssignment, None] = {}
     stems: dict[str, str] = {}
-    rooms = None if house is None else {room.id for room in house.rooms}
     for row in rows:
         called = house.rooms_called(row.room_id) if house is not None and row.room_id else []
+        line, found = None, f"{row.room_id!r} for photo {row.photo}"
         if len(called) > 1:
             ids = " or ".join(room.id for room in called)
-            found = f"{row.room_id!r} for photo {row.photo}, the name of {len(called)} rooms"
+            found += f", the name of {len(called)} rooms"
             line = fault(f"which of them, by its id: {ids}", found)
-            if not traced:
-                raise line
-            _log.warning("%s; looked for", line)
-            row = row._replace(room_id="")
         elif called:
             row = row._replace(room_id=called[0].id)
-        if traced and rooms is not None and row.room_id not in rooms:
+        elif house is not None and row.room_id:
+            known = ", ".join(sorted(room.id for room in house.rooms))
+            line = fault(f"a room of the plan ({known[:150]})", found, room=row.room_id)
+        if line is not None:
+            if not traced:
+                raise line
+            if not told:
+                _log.warning("%s; looked for", line)
             row = row._replace(room_id="")
-        if rooms is not None and row.room_id and row.room_id not in rooms:
-            known = ", ".join(sorted(rooms))
-            found = f"{row.room_id!r} for photo {row.photo}"
-            raise fault(f"a room of the plan ({known[:150]})", found, room=row.room_id)
         safe_join("", row.photo, file=path, house_id=name)
         stem = PurePosixPath(row.photo).stem
         if stems.setdefault(stem, row.photo) != row.photo:
@@ -80,34 +83,24 @@ def read_rows(path: str | Path, *, house_id: str = "") -> list[PhotoAssignment]:
     fault = partial(InputError, file=path, house=house_id)
     if not Path(path).is_file():
         raise fault("a photo table", "no such file")
-    lines = read_text(path).splitlines()
-    if not any(line.strip() for line in lines):
+    table = read_csv(path)
+    if not any(map(any, table)):
         return []
-    try:
-        table = list(csv.reader(lines, strict=True))
-    except csv.Error as error:
-        raise fault("a CSV table", str(error)) from None
-    header = [cell.strip() for cell in table[0]]
-    room = next((header.index(n) for n in ("room_id", "roomId") if n in header), None)
+    header = [cell.lower() for cell in table[0]]
+    room = next((header.index(n) for n in ("room_id", "roomid") if n in header), None)
     photo, guess = (header.index(n) if n in header else None for n in ("photo", "guess"))
-    misnamed = room is None and any("room" in name.lower() for name in header)
+    misnamed = room is None and any("room" in name for name in header)
     if photo is None or misnamed:
-        other = next((c for c in ";\t" if len(header) == 1 and c in header[0]), "")
-        names = {";": "semicolons", "\t": "tabs"}
-        expected = "columns room_id and photo"
-        if other:
-            raise fault(f"{expected} separated by commas", f"{names[other]}: {header[0]}")
-        raise fault(expected, ", ".join(header))
+        raise fault("columns room_id and photo", ", ".join(table[0]))
     if len(table) - 1 > MAX_ROWS:
         raise fault(f"at most {MAX_ROWS} rows", str(len(table) - 1))
     rows = []
     for number, cells in enumerate(table[1:], start=2):
-        cells = [cell.strip() for cell in cells]
         if not any(cells):
             continue
-        if len(cells) <= max(-1 if room is None else room, photo) or not cells[photo]:
+        if not any(cells[photo : photo + 1]):
             raise fault("a photo in each row", f"row {number}: {','.join(cells)}")
-        room_cell = "" if room is None else cells[room]
+        room_cell = "".join(cells[room : room + 1]) if room is not None else ""
         guessed = guess is not None and cells[guess : guess + 1] == [room_cell]
         rows.append(PhotoAssignment("" if guessed else room_cell, cells[photo]))
     return rows
@@ -144,6 +137,6 @@ def rooms_of_photos(
     A photo's list is empty if the table gives no room for it.
     """
     rooms: dict[str, list[str]] = {}
-    for row in read_assignment(path, house, traced=traced):
+    for row in read_assignment(path, house, traced=traced, told=True):
         rooms.setdefault(row.photo, []).extend([row.room_id] if row.room_id else [])
     return rooms

@@ -88,7 +88,7 @@ export const labelOf = (room) => room.name || room.id;
 /** The id of the room that has a text as its id or, uniquely, as its name; the text itself if there is none. */
 export function roomCalled(rooms, text) {
   const plain = (name) => name.normalize("NFKC").toLowerCase().trim().replace(/\s+/g, " ");
-  const named = rooms.filter((room) => room.name && plain(room.name) === plain(text));
+  const named = rooms.filter(({ id, name }) => [id, name || id].map(plain).includes(plain(text)));
   return rooms.some((room) => room.id === text) || named.length !== 1 ? text : named[0].id;
 }
 
@@ -131,11 +131,14 @@ export function tableText(photos) {
 
 /** The photos in the text of a photo table; throws an error if it is not one. */
 export function readTable(text) {
-  const rows = text.replace(/^\ufeff/, "").split(/\r?\n/).filter((line) => line.trim())
-    .map((line) => [...line.matchAll(/("(?:[^"]|"")*"|[^,]*)(,|$)/g)].map((m) => m[1].replace(/^"|"$/g, "").replaceAll('""', '"').trim()));
-  if (!rows.length) return [];
-  const room = rows[0].findIndex((name) => name === "room_id" || name === "roomId"), photo = rows[0].indexOf("photo");
-  const guess = rows[0].indexOf("guess");  // a room that equals it is only a guess
+  const lines = text.replace(/^\ufeff/, "").split(/\r?\n/).filter((line) => line.trim());
+  if (!lines.length) return [];
+  const mark = [",", ";", "\t"].find((each) => lines[0].includes(each)) ?? ",";  // spreadsheets differ
+  const cells = new RegExp(`("(?:[^"]|"")*"|[^${mark}]*)(${mark}|$)`, "g");
+  const rows = lines.map((line) => [...line.matchAll(cells)].map((m) => m[1].replace(/^"|"$/g, "").replaceAll('""', '"').trim()));
+  const header = rows[0].map((name) => name.toLowerCase());
+  const room = header.findIndex((name) => name === "room_id" || name === "roomid"), photo = header.indexOf("photo");
+  const guess = header.indexOf("guess");  // a room that equals it is only a guess
   if (photo < 0) throw new Error("expected the columns room_id and photo in the table");
   const photos = new Map();
   for (const row of rows.slice(1)) {

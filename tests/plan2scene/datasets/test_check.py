@@ -49,7 +49,7 @@ def dataset(tmp_path):
     "text",
     [
         "room_id,photo\na,one.jpg\na,two.jpg\n",
-        "roomId,photo\r\na,one.jpg\r\na,two.jpg\r\n",
+        "roomId;Photo\r\na;one.jpg\r\nA;two.jpg\r\n",
         "\ufeffphoto,room_id\none.jpg,a\ntwo.jpg,a\n",
         "index,room_id, photo \n0,a, one.jpg\n\n1,a,two.jpg\n2,a,one.jpg\n",
     ],
@@ -59,12 +59,14 @@ def test_assignment_headers(tmp_path, text):
     assert rows == (PhotoAssignment("a", "one.jpg"), PhotoAssignment("a", "two.jpg"))
 
 
-def test_rooms_of_photos(tmp_path):
+def test_rooms_of_photos(tmp_path, caplog):
     path = table(tmp_path, "room_id,photo\nb,x.jpg\na,y.jpg\na,x.jpg\nb,x.jpg\n")
     house = small_house()
     both = replace(house, rooms=(*house.rooms, replace(house.rooms[0], id="b")))
     assert rooms_of_photos(path, both) == {"x.jpg": ["b", "a"], "y.jpg": ["a"]}
     assert rooms_of_photos(path, house, traced=True) == {"x.jpg": ["a"], "y.jpg": ["a"]}
+    read_assignment(path, house, traced=True)
+    assert "found 'b' for photo x.jpg; looked for" in caplog.text
     assert rooms_of_photos(None, house) == {}
 
 
@@ -94,7 +96,7 @@ def test_line_of_a_bad_table(tmp_path, text, line):
     assert str(caught.value).startswith(f"file {path}{line}")
 
 
-@pytest.mark.parametrize("text", ["photo\none.jpg\n", "room_id,photo\n,one.jpg\n"])
+@pytest.mark.parametrize("text", ["photo\none.jpg\n", "photo,room_id\none.jpg\n"])
 def test_a_table_need_not_name_rooms(tmp_path, text):
     path = table(tmp_path, text)
     assert read_assignment(path, small_house()) == (PhotoAssignment("", "one.jpg"),)
