@@ -111,6 +111,8 @@ def plan_files(request: SingleHouse) -> tuple[Path, ...]:
 def read_input(request: SingleHouse) -> list[str]:
     """Read plan and photos, so that errors are found before any job; return the photos' names."""
     house = None
+    if finishes_file(request.plan).is_file():
+        read_finishes(finishes_file(request.plan))
     if request.storeys:
         if request.metres_per_pixel:
             found = f"--metres-per-pixel {request.metres_per_pixel:g}"
@@ -122,8 +124,6 @@ def read_input(request: SingleHouse) -> list[str]:
     elif is_picture(request):
         read_plan_picture(request.plan)
     else:
-        if finishes_file(request.plan).is_file():
-            read_finishes(finishes_file(request.plan))
         house = read_plan(request.plan, request.house, request.metres_per_pixel, request.dxf_layers)
         for line in validate_house(house, file=request.plan):
             _LOG.warning("%s", line)
