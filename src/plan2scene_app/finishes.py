@@ -46,6 +46,8 @@ LIBRARY: Mapping[str, tuple[str, str, str]] = {
     "rough plaster": ("plaster", "plaster", "#e6e1d6"),
     "concrete": ("plaster", "concrete", "#a5a29c"),
 }
+#: Seeds of materials; another seed than 1 where that gives it another second colour.
+SEEDS: Mapping[str, int] = {"black and white tiles": 136}
 
 
 def finishes_file(plan: str | Path) -> Path:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,7 @@ from plan2scene.paint.light import repainted
 from plan2scene.paint.surfaces import read_paint
 from plan2scene.stage_json import read_stage_json
 from plan2scene.textures.crops import Crop
-from plan2scene_app.finishes import BY_HAND, LIBRARY
+from plan2scene_app.finishes import BY_HAND, LIBRARY, SEEDS
 from plan2scene_app.single_tile import tile_from_crops
 
 _LOG = logging.getLogger("plan2scene")
@@ -29,12 +29,17 @@ _FLAT_PX, _FLAT_M = 16, 1.0
 
 
 def set_by_hand(
-    folder: str | Path, finishes: Mapping[SurfaceKey, str], crops: str | Path, paint: str | Path
+    folder: str | Path,
+    finishes: Mapping[SurfaceKey, str],
+    crops: str | Path,
+    paint: str | Path,
+    *,
+    openings: Collection[str],
 ) -> None:
     """Change a textures folder in place: its surfaces get the finishes that the owner chose.
 
-    Tiles of all other surfaces keep their bytes. A finish that names a room or photo that the house
-    does not have is left out, with a warning.
+    Tiles of all other surfaces keep their bytes. A finish that names a room, wall, door or
+    photo that the house does not have is left out, with a warning.
 
     Parameters
     ----------
@@ -44,10 +49,13 @@ def set_by_hand(
         ``crops.parquet``: finishes ``photo:{name}`` take their crops from it.
     paint : path
         ``paint.parquet``: the paint of the surfaces that those crops show.
+    openings : collection of str
+        Ids of the house's openings.
     """
     root = Path(folder)
     index = read_stage_json(root / "textures.json", "textures")
     entries = {SurfaceKey(*name.rsplit("/", 1)): e for name, e in index["surfaces"].items()}
+    _warn_of_unknown(finishes, entries, openings)
     chosen = _spread(finishes, list(entries))
     house = _House(root, entries, chosen, Path(crops), Path(paint))
     tile_by_key = {key: tile for key in chosen if (tile := house.tile(key)) is not None}
@@ -109,7 +117,9 @@ class _House:
             substance, kind, colour = LIBRARY[what]
             levels = tuple(int(level) for level in _levels(colour))
             material = random_material(
-                substance, 1, kind=kind, colour_rgb=(levels[0], levels[1], levels[2])
+                *(substance, SEEDS.get(what, 1)),
+                kind=kind,
+                colour_rgb=(levels[0], levels[1], levels[2]),
             )
             return _Tile(material.albedo, material.size_m, substance)
         flat = np.broadcast_to(_levels(what), (_FLAT_PX, _FLAT_PX, 3))
@@ -163,14 +173,24 @@ def _levels(what: str) -> np.ndarray:
     return np.array([int(what[k : k + 2], 16) for k in (1, 3, 5)], np.uint8)
 
 
+def _warn_of_unknown(
+    finishes: Mapping[SurfaceKey, str], keys: Iterable[SurfaceKey], openings: Collection[str]
+) -> None:
+    """Warn of each finish that is of no surface, door or room of the house."""
+    known = {(key.room_id, key.surface.partition(".")[0]) for key in keys} | set(keys)
+    known |= {(key.room_id, "trim") for key in keys} | {(opening, "door") for opening in openings}
+    for room, surface in sorted(key for key in finishes if key.room_id != "*"):
+        if (room, surface) not in known:
+            _LOG.warning(
+                "finish of %s/%s is left out: the house has no such surface", room, surface
+            )
+
+
 def _spread(finishes: Mapping[SurfaceKey, str], keys: list[SurfaceKey]) -> dict[SurfaceKey, str]:
     """Return the finish chosen for each surface of a house: the most specific row decides.
 
     A row for one wall overrides a row for all walls of its room; that one overrides ``*``.
     """
-    room_ids = {key.room_id for key in keys}
-    for room in sorted({k.room_id for k in finishes if k.surface != "door"} - room_ids - {"*"}):
-        _LOG.warning("finishes of room %s, which the plan does not have, are left out", room)
     chosen = {}
     for key in keys:
         kind = key.surface.partition(".")[0]

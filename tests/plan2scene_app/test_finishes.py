@@ -45,6 +45,8 @@ def test_each_kind_of_finish_and_nothing_else(house, caplog):
         ("a", "floor"): "photo:p.jpg",
         ("b", "ceiling"): "same:gone",
         ("gone", "floor"): "white",
+        ("a", "wall.w9"): "white",
+        ("d9", "door"): "white",
         ("d2", "door"): "#6b4a32",
         ("a", "trim"): "#204060",
     }
@@ -52,7 +54,7 @@ def test_each_kind_of_finish_and_nothing_else(house, caplog):
     table.write_text(finishes_text({SurfaceKey(*key): what for key, what in chosen.items()}))
     assert finishes_file(house / "home.scene.json") == table
     inputs = house / "crops.parquet", house / "paint.parquet"
-    set_by_hand(house / "set", read_finishes(table), *inputs)
+    set_by_hand(house / "set", read_finishes(table), *inputs, openings=["d2"])
     different = filecmp.dircmp(house / "found", house / "set").diff_files
     changed = {"a_floor.png", "a_wall.png", "a_wall.w1.png", "b_wall.png"}
     assert set(different) == changed | {"textures.json", "maps.json", "doors.json"}
@@ -68,17 +70,21 @@ def test_each_kind_of_finish_and_nothing_else(house, caplog):
     assert entries["b/ceiling"]["source"] == "x"
     assert read_json(house / "set" / "maps.json") == {"surfaces": {}}
     assert not (house / "set" / "a_wall.jpg").exists()
-    doors = {"": [1, 2, 3], "d1": [4, 5, 6], "d2": [107, 74, 50]}
+    doors = {"": [1, 2, 3], "d1": [4, 5, 6], "d2": [107, 74, 50], "d9": [234] * 3}
     assert read_json(house / "set" / "doors.json") == doors
     assert read_json(house / "set" / "trim.json") == {"a": [32, 64, 96]}
-    assert "gone" in caplog.text
+    assert all(
+        f"finish of {name} is" in caplog.text for name in ("gone/floor", "a/wall.w9", "d9/door")
+    )
+    assert "a/trim" not in caplog.text
 
 
 def test_the_same_as_in_another_room_follows_it_and_no_circle(house):
     key = SurfaceKey
     chosen = {key("a", "floor"): "same:b", key("b", "floor"): "white"}
     chosen |= {key("a", "wall"): "same:b", key("b", "wall"): "same:a"}
-    set_by_hand(house / "set", chosen, *(house / "crops.parquet", house / "paint.parquet"))
+    inputs = house / "crops.parquet", house / "paint.parquet"
+    set_by_hand(house / "set", chosen, *inputs, openings=())
     same = [read_image(house / "set" / f"{room}_floor.png") for room in ("a", "b")]
     assert np.array_equal(*same) and same[0].min() > 200
     for room in ("a", "b"):

@@ -16,7 +16,8 @@ def set_finishes(folder: Path) -> None:
     """Apply the owner's finishes; the import is here because PyTorch takes seconds to import."""
     from plan2scene_app.set_by_hand import set_by_hand
 
-    set_by_hand(folder, finishes, inputs.crops, output.paint)
+    openings = [opening.id for wall in plan.walls for opening in wall.openings]
+    set_by_hand(folder, finishes, inputs.crops, output.paint, openings=openings)
 
 
 with job(snakemake.log[0]):
