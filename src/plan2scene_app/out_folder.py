@@ -95,8 +95,8 @@ def claimed_folder(path: Path, names: Sequence[str], inputs: Sequence[Path]) -> 
     Raises
     ------
     InputError
-        If `path` is a file, another run works in it, or a file at one of the names is an input or
-        was not delivered by an earlier run.
+        If `path` is a file or an input, another run works in it, or a file at one of the names is
+        an input or was not delivered by an earlier run.
     """
     if path.exists() and not path.is_dir():
         raise InputError("a folder for the results", "a file", file=path)
@@ -130,7 +130,7 @@ def _refuse_users_files(path: Path, names: Sequence[str], inputs: Sequence[Path]
     for source in inputs:
         real = source.resolve()
         for target in targets:
-            if real == target.resolve() or target.resolve() in real.parents:
+            if real in (path.resolve(), target.resolve()) or target.resolve() in real.parents:
                 raise InputError("an --out folder that doesn't overwrite the input", str(source))
     delivered = set(_delivered(work)) if (work / _RECORD).is_file() else set()
     for name in names:

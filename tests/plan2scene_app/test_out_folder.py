@@ -58,7 +58,7 @@ def test_what_no_run_delivered_is_refused_and_stays(tmp_path, name):
     assert [p for p in tmp_path.rglob("*") if p.is_file()] == [path]
 
 
-@pytest.mark.parametrize("name", ["house.glb", "textures/plan.json", "work/plan.json"])
+@pytest.mark.parametrize("name", ["house.glb", "textures/plan.json", "work/plan.json", "."])
 def test_an_input_or_a_file_in_the_way_is_refused(tmp_path, name):
     refused(tmp_path, "overwrite the input", (tmp_path / name))
     assert list(tmp_path.iterdir()) == []
