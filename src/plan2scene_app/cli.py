@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import logging
 import re
+import shlex
 import sys
 from collections.abc import Iterable
 from enum import StrEnum
@@ -203,7 +204,7 @@ def check(
             print(f"{levels}{counts}")
     for problem in problems:
         print(problem)
-    print(f"{len(problems)} problems" if problems else "no problems")
+    print(f"{len(problems) or 'no'} problem{'s' * (len(problems) != 1)}")
     if any(problem.level == "error" for problem in problems):
         raise typer.Exit(1)
 
@@ -245,6 +246,8 @@ def edit_plan(
     from plan2scene_app.editor.editor_page import write_editor
 
     _keep_inputs(out, [source] if source else [])
+    if out.suffix.lower() not in (".html", ".htm"):  # it may be a plan that was mended by hand
+        raise InputError("a page to write, such as editor.html", out.name, file=out)
     name = _house_id(source or Path("my_home"), house)
     write_editor(
         source,
@@ -282,7 +285,7 @@ def trace_plan(
     for path in traced_files(out):
         print(path)
     if lines:
-        print(f"to mend it: plan2scene edit {picture} --out editor.html")
+        print(f"to mend it: plan2scene edit {shlex.quote(str(picture))} --out editor.html")
 
 
 @app.command("studio")

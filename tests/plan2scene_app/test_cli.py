@@ -69,7 +69,7 @@ def test_check_tells_errors_by_its_exit_code_and_of_a_picture_that_it_is_traced(
     Image.fromarray(np.full((200, 300, 3), 180, np.uint8)).save(tmp_path / "plan.png")
     code, output = call("check", tmp_path / "plan.png")
     assert code == 0
-    assert "plan2scene trace" in output and output.splitlines()[-1] == "1 problems"
+    assert "plan2scene trace" in output and output.splitlines()[-1] == "1 problem"
     (tmp_path / "cut.png").write_bytes((tmp_path / "plan.png").read_bytes()[:60])
     code, output = call("check", tmp_path / "cut.png")
     assert code == 1 and "error: file" in output
@@ -98,7 +98,9 @@ def test_a_house_id_that_is_no_file_name_is_refused(tmp_path, name):
         call("run", "--plan", PLAN, "--out", tmp_path, "--house", name)
 
 
-@pytest.mark.parametrize("command", ["masks", "texture", "import", "trace", "convert-checkpoint"])
+@pytest.mark.parametrize(
+    "command", ["masks", "texture", "import", "trace", "convert-checkpoint", "edit"]
+)
 def test_no_command_overwrites_its_input_or_a_file_that_is_there(tmp_path, command):
     given, mine = tmp_path / "a.png", tmp_path / "mine.json"
     Image.fromarray(np.full((64, 64, 3), 180, np.uint8)).save(given)
@@ -109,7 +111,7 @@ def test_no_command_overwrites_its_input_or_a_file_that_is_there(tmp_path, comma
         call(command, *network, given, "--out", tmp_path if command == "masks" else given)
     assert given.read_bytes() == before
     if command != "masks":
-        with pytest.raises(InputError, match="a new file to write, found one that is there"):
+        with pytest.raises(InputError, match=r"a new file to write, found one|a page to write"):
             call(command, *network, given, "--out", mine)
     assert mine.read_text() == "mended by hand"
 
