@@ -85,6 +85,12 @@ export function fitId(text, otherwise = "room") {
 /** A room's label: its name, or else its id. */
 export const labelOf = (room) => room.name || room.id;
 
+/** The labels of rooms by id: rooms of one name are told apart by their ids. */
+export function labelsOf(rooms) {
+  const names = rooms.map(labelOf), shared = (name) => names.indexOf(name) !== names.lastIndexOf(name);
+  return new Map(rooms.map(({ id }, k) => [id, shared(names[k]) ? `${names[k]} (${id})` : names[k]]));
+}
+
 /** The id of the room that has a text as its id or, uniquely, as its name; the text itself if there is none. */
 export function roomCalled(rooms, text) {
   const plain = (name) => name.normalize("NFKC").toLowerCase().trim().replace(/\s+/g, " ");

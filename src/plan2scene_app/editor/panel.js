@@ -1,6 +1,6 @@
 // The panel on the right: the selection, the photos, the problems.
 
-import { labelOf, renameRoom, withRooms } from "./document.js";
+import { labelOf, labelsOf, renameRoom, withRooms } from "./document.js";
 import { button, el, field } from "./dom.js";
 import { lengthField, section } from "./fields.js";
 import { floorSection, stairsSection } from "./floors_panel.js";
@@ -39,7 +39,8 @@ function chosenSection(app) {
 function houseSection(app) {
   const { store, feet } = app, { picture } = store.state, { plan } = store;
   const total = plan.rooms.reduce((sum, room) => sum + polygonArea(ringsOf(room)), 0);
-  const rooms = plan.rooms.map((room) => el("li", {}, button([el("span", { className: `swatch type-${room.types[0]?.toLowerCase()}` }), labelOf(room), el("span", { className: "soft" }, areaText(polygonArea(ringsOf(room)), feet))], () => app.select({ kind: "room", id: room.id }), { className: "line" })));
+  const labels = labelsOf(store.state.plan.rooms);
+  const rooms = plan.rooms.map((room) => el("li", {}, button([el("span", { className: `swatch type-${room.types[0]?.toLowerCase()}` }), labels.get(room.id), el("span", { className: "soft" }, areaText(polygonArea(ringsOf(room)), feet))], () => app.select({ kind: "room", id: room.id }), { className: "line" })));
   return section("House",
     lengthField(app, "Wall thickness", "depth", plan.wall_depth, (v) => store.changePlan({ wall_depth: v })),
     plan.rooms.length ? null : el("p", { className: "soft" }, "Draw a room: press R and drag, or W and click corner by corner. Or open or drop a plan, or a picture of one, with its photos."),
@@ -148,7 +149,7 @@ function inWords(app, line) {
 }
 
 function problemSection(app) {
-  const labels = new Map(app.store.state.plan.rooms.map((room) => [room.id, labelOf(room)]));
+  const labels = labelsOf(app.store.state.plan.rooms);
   const lines = app.problems.map((problem) => el("li", { className: problem.level },
     button([el("b", {}, `${labels.get(problem.room) || problem.room || problem.opening || problem.photo || "Plan"}: `), inWords(app, `expected ${problem.expected}, found ${problem.found}`)], () => app.showProblem(problem), { className: "line" })));
   const drop = (line) => { app.notes = app.notes.filter((other) => other !== line); app.renderPanel(); };

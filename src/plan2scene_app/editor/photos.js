@@ -1,6 +1,6 @@
 // Photos of rooms: photos are dropped on rooms or added in the panel; checks of the photo table.
 
-import { labelOf } from "./document.js";
+import { labelOf, labelsOf } from "./document.js";
 import { ask, button, el, isPicture, readPicture } from "./dom.js";
 
 const THUMB = 240; // pixels
@@ -16,8 +16,9 @@ export function photoProblems(photos, rooms) {
     if (stems.has(stem)) tell("error", "photo names that differ before the extension", `${stems.get(stem)} and ${name}`, name);
     stems.set(stem, name);
     for (const id of shown) if (!known.has(id)) tell("error", `a room of the plan (${[...known].sort().join(", ").slice(0, 150)})`, `'${id}' for photo ${name}`, name);
-    if (!shown.length) tell("note", "a room for each photo", `${name} without one: it is looked for when the house is made`, name);
   }
+  const loose = photos.filter(({ rooms: shown }) => !shown.length);
+  if (loose.length) tell("note", "a room for each photo", `${loose.length} without one, which is looked for when the house is made`, "Photos");
   return found;
 }
 
@@ -62,7 +63,7 @@ export function setRooms(app, name, rooms) {
 
 /** The card of a photo: its picture, its rooms, and a choice to add a room. */
 export function photoCard(app, photo) {
-  const labels = new Map(app.store.state.plan.rooms.map((room) => [room.id, labelOf(room)]));
+  const labels = labelsOf(app.store.state.plan.rooms);
   const rooms = [...labels.keys()].filter((id) => !photo.rooms.includes(id)), label = (id) => labels.get(id) ?? id;
   const thumb = app.thumbs.get(photo.name);
   const chips = photo.rooms.map((id) => el("span", { className: "chip" }, label(id),

@@ -1,7 +1,7 @@
 // Finishes that the owner sets: a surface is clicked in the viewer, and its finish is chosen here. It is
 // saved at once; a colour is also shown at once; the next run makes the textures.
 
-import { labelOf } from "./document.js";
+import { labelOf, labelsOf } from "./document.js";
 import { ask, button, el } from "./dom.js";
 import { asked } from "./server.js";
 
@@ -73,8 +73,8 @@ export class Finishes {
 
   /** The label of a room, or of a door by the rooms beside it. */
   label(id) {
-    const { app } = this.view, room = app.store.state.plan.rooms.find((entry) => entry.id === id);
-    if (room || id === "*") return room ? labelOf(room) : "all rooms";
+    const { app } = this.view, room = labelsOf(app.store.state.plan.rooms).get(id);
+    if (room || id === "*") return room ?? "all rooms";
     return app.walls.filter(({ openings }) => openings.some(({ opening }) => opening.id === id)).flatMap(({ rooms }) => rooms.map((k) => labelOf(app.store.plan.rooms[k]))).join(" \u2013 ") || id;
   }
   words(what) { return what.replace(/^same:(.*)/, (_, id) => `as in ${this.label(id)}`).replace(/^photo:/, "as in photo "); }
@@ -113,7 +113,7 @@ export class Finishes {
         button("From a picture\u2026", () => app.pickFile("image/*", (file) => this.takeColour(file, set))), now ? button("As found", () => set(null)) : null),
       ...(["door", "trim"].includes(kind) ? [] : [el("div", { className: "row" },
         choose("Material\u2026", Object.keys(this.library).map((name) => [name, name])),
-        choose("Same as in\u2026", rooms.map((other) => [`same:${other.id}`, labelOf(other)]))),
+        choose("Same as in\u2026", rooms.map((other) => [`same:${other.id}`, this.label(other.id)]))),
         photos.length ? this.view.folding("as in photo", false, "As in a photo\u2026", el("div", { className: "picks" }, photos.map(({ name }) => pick(name)))) : null].filter(Boolean)));
   }
   /** Show a picture; a click picks the colour at that point. */

@@ -1,6 +1,6 @@
 // The house of a project: progress of its run, results, downloads.
 
-import { labelOf } from "./document.js";
+import { labelsOf } from "./document.js";
 import { button, download, el } from "./dom.js";
 import { Finishes } from "./finishes.js";
 import { photoCard } from "./photos.js";
@@ -96,7 +96,7 @@ export class HouseView {
   }
   runSection(running, errors, done) {
     const { run } = this, changed = run.state === "done" && (run.settings.revision !== run.revision || run.settings.finishes !== run.finishes);
-    const now = run.stages.find((stage) => stage.state === "running"), labels = new Map(this.app.store.state.plan.rooms.map((room) => [room.id, labelOf(room)]));
+    const now = run.stages.find((stage) => stage.state === "running"), labels = labelsOf(this.app.store.state.plan.rooms);
     const told = new Set(this.app.problems.map((p) => `${p.room || "Plan"}: expected ${p.expected}, found ${p.found}`)); // already shown beside the plan, with links
     const lines = (run.warnings ?? []).filter((line) => !told.has(line)).map((line) => line.replace(/^[^:]+/, (room) => labels.get(room) ?? room));
     const titles = { none: run.results.files["house.glb"] ? "Made by plan2scene run" : "No house yet", running: "Being made", done: "Ready", failed: "The run failed", cancelled: "Cancelled", interrupted: "Interrupted" };
