@@ -9,7 +9,7 @@ import tempfile
 import zipfile
 import zlib
 from collections.abc import Iterator, Sequence
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from itertools import takewhile
 from pathlib import Path
 
@@ -28,6 +28,8 @@ _DEPTH = 5
 #: Largest number of files below a folder of photos: who gives a whole disk gets one line.
 MOST_FILES = 5000
 _JPEG_QUALITY = 95
+#: Flag of an entry of a ZIP archive: its name is UTF-8.
+_UTF8 = 0x800
 
 
 def is_packed(path: Path | None) -> bool:
@@ -140,7 +142,11 @@ def _of_zip(source: Path, folder: Path) -> list[Path]:
 
 def _parts(entry: zipfile.ZipInfo) -> list[str]:
     """Return the names of an entry's folders and its own."""
-    return [part for part in re.split(r"[/\\]", entry.filename) if part.strip(". ")]
+    name = entry.filename
+    if not entry.flag_bits & _UTF8:  # many programs write UTF-8 without saying so
+        with suppress(UnicodeError):
+            name = name.encode("cp437").decode("utf-8")
+    return [part for part in re.split(r"[/\\]", name) if part.strip(". ")]
 
 
 def _is_of_user(entry: zipfile.ZipInfo) -> bool:

@@ -56,13 +56,17 @@ def test_a_pdf_without_photos_is_one_line_with_its_name(tmp_path, pictures, foun
 
 
 def test_files_of_a_zip_keep_the_folders_that_differ(tmp_path):
-    names = ("home/bath/1.jpg", "home/kitchen/1.jpg", "__MACOSX/home/._1.jpg", "home/.DS_Store")
+    names = ("home/bxxth/1.jpg", "home/kitchen/1.jpg", "__MACOSX/home/._1.jpg", "home/.DS_Store")
     with zipfile.ZipFile(tmp_path / "photos.zip", "w") as archive:
         for number, name in enumerate(names):
             archive.writestr(name, bytes([number]))
-    with unpacked(tmp_path / "photos.zip") as folder:
+    path = tmp_path / "photos.zip"
+    path.write_bytes(
+        path.read_bytes().replace(b"xx", "ä".encode())
+    )  # no flag says that it is UTF-8
+    with unpacked(path) as folder:
         found = {file.name: file.read_bytes() for file in folder.iterdir()}
-    assert found == {"bath_1.jpg": b"\0", "kitchen_1.jpg": b"\1"}
+    assert found == {"bäth_1.jpg": b"\0", "kitchen_1.jpg": b"\1"}
 
 
 @pytest.mark.parametrize("name", ["../1.jpg", "a/../../1.jpg", "/1.jpg"])
