@@ -161,6 +161,8 @@ def run_house(
 
     printed = "quiet" if quiet else "verbose" if verbose else "lines"
     folder = photos is not None and (photos.is_dir() or is_packed(photos))
+    if folder and photos_dir is not None:
+        raise InputError("a photo table with --photos-dir", "photos themselves", file=photos)
     request = SingleHouse(
         plan=plan[0],
         storeys=tuple(plan[1:]),

@@ -81,6 +81,10 @@ def test_run_refuses_before_any_work_what_it_cannot_use(tmp_path, monkeypatch, c
     table.write_text("room_id,photo\nno_such_room,x.jpg\n")
     assert "no_such_room" in fault_of(monkeypatch, capsys, *arguments, "--photos", table)
     assert not (out / "work" / ".snakemake").exists()
+    fault = fault_of(
+        monkeypatch, capsys, *arguments, "--photos", tmp_path, "--photos-dir", tmp_path
+    )
+    assert "expected a photo table with --photos-dir" in fault
     out = arguments[-1] = tmp_path / "other"
     with pytest.raises(InputError, match="found 100"):
         call(*arguments, "--texture-size", "100")
