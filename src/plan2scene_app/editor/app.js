@@ -190,7 +190,7 @@ export class App {
     try {
       const text = await readFile(file);
       if (/^\s*\{/.test(text)) await this.openPlan(JSON.parse(text), file);
-      else if (/^\ufeff?[^\n]*photo/.test(text)) this.store.change({ photos: readTable(text).map(({ name, rooms }) => ({ name, rooms: rooms.map((room) => roomCalled(this.store.state.plan.rooms, room)) })) });
+      else if (/^\ufeff?[^\n]*photo/i.test(text)) this.store.change({ photos: readTable(text).map(({ name, rooms }) => ({ name, rooms: rooms.map((room) => roomCalled(this.store.state.plan.rooms, room)) })) });
       else await this.host.openOther(file);
     } catch (error) { this.say(`${file.name}: ${error.message}`); }
   }

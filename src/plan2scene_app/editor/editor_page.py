@@ -120,7 +120,8 @@ def _traced(source: Path, metres_per_pixel: float | None) -> dict[str, Any]:
         borderValue=(255, 255, 255),
     )
     x, z = -plan_origin(traced) * traced.metres
-    lines = [line.replace("give --metres-per-pixel", _BY_HAND) for line in doubts(traced)]
+    told = dict.fromkeys(doubts(traced))
+    lines = [line.replace("give --metres-per-pixel", _BY_HAND) for line in told]
     place = {"x": float(x), "z": float(z), "metres_per_pixel": traced.metres / zoom}
     return {
         "plan": (plan := plan_document(traced)),
