@@ -113,6 +113,8 @@ def read_input(request: SingleHouse) -> list[str]:
     house = None
     if finishes_file(request.plan).is_file():
         read_finishes(finishes_file(request.plan))
+        if request.colours != "paint":
+            _LOG.warning("%s is left out: the colours are the photos'", finishes_file(request.plan))
     if request.storeys:
         if request.metres_per_pixel:
             found = f"--metres-per-pixel {request.metres_per_pixel:g}"
