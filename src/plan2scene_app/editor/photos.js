@@ -61,15 +61,15 @@ export function setRooms(app, name, rooms) {
   app.store.change({ photos: app.store.state.photos.map((photo) => (photo.name === name ? { ...photo, rooms: [...new Set(rooms)] } : photo)) });
 }
 
-/** The card of a photo: its picture, its rooms, and a choice to add a room. */
-export function photoCard(app, photo) {
+/** The card of a photo: its picture, its rooms (or the one `found` by a run), a choice to add a room. */
+export function photoCard(app, photo, found) {
   const labels = labelsOf(app.store.state.plan.rooms);
   const rooms = [...labels.keys()].filter((id) => !photo.rooms.includes(id)), label = (id) => labels.get(id) ?? id;
   const thumb = app.thumbs.get(photo.name);
   const chips = photo.rooms.map((id) => el("span", { className: "chip" }, label(id),
     button("\u00d7", () => setRooms(app, photo.name, photo.rooms.filter((r) => r !== id)), { title: `${photo.name} does not show ${label(id)}`, "aria-label": `Remove ${label(id)} from ${photo.name}` })));
   const choice = el("select", { "data-key": `photo ${photo.name}`, "aria-label": `Room of ${photo.name}`, onchange: (event) => setRooms(app, photo.name, [...photo.rooms, event.target.value]) },
-    el("option", { value: "", selected: true }, photo.rooms.length ? "+ room" : "Which room?"), rooms.map((id) => el("option", { value: id }, label(id))));
+    el("option", { value: "", selected: true }, photo.rooms.length ? "+ room" : labels.has(found) ? `Found: ${label(found)}` : "Which room?"), rooms.map((id) => el("option", { value: id }, label(id))));
   const card = el("figure", { className: `photo${photo.rooms.length ? "" : " loose"}`, draggable: true, "data-photo": photo.name },
     thumb ? el("img", { src: thumb, alt: photo.name, draggable: false }) : el("div", { className: "blank" }, photo.name.slice(0, 18)),
     el("figcaption", {}, el("span", { className: "file", title: photo.name }, photo.name), el("div", { className: "chips" }, chips, rooms.length ? choice : null)),

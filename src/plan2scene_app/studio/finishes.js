@@ -1,7 +1,7 @@
 // Finishes that the owner sets: a surface is clicked in the viewer, and its finish is chosen here. It is
 // saved at once; a colour is also shown at once; the next run makes the textures.
 
-import { labelOf, labelsOf } from "./document.js";
+import { labelsOf } from "./document.js";
 import { ask, button, el } from "./dom.js";
 import { asked } from "./server.js";
 
@@ -73,9 +73,9 @@ export class Finishes {
 
   /** The label of a room, or of a door by the rooms beside it. */
   label(id) {
-    const { app } = this.view, room = labelsOf(app.store.state.plan.rooms).get(id);
+    const { app } = this.view, labels = labelsOf(app.store.state.plan.rooms), room = labels.get(id);
     if (room || id === "*") return room ?? "all rooms";
-    return app.walls.filter(({ openings }) => openings.some(({ opening }) => opening.id === id)).flatMap(({ rooms }) => rooms.map((k) => labelOf(app.store.plan.rooms[k]))).join(" \u2013 ") || id;
+    return app.walls.filter(({ openings }) => openings.some(({ opening }) => opening.id === id)).flatMap(({ rooms }) => rooms.map((k) => labels.get(app.store.plan.rooms[k].id))).join(" \u2013 ") || id;
   }
   words(what) { return what.replace(/^same:(.*)/, (_, id) => `as in ${this.label(id)}`).replace(/^photo:/, "as in photo "); }
 

@@ -1,6 +1,6 @@
 // The house of a project: progress of its run, results, downloads.
 
-import { labelsOf } from "./document.js";
+import { labelsOf, readTable } from "./document.js";
 import { button, download, el } from "./dom.js";
 import { Finishes } from "./finishes.js";
 import { photoCard } from "./photos.js";
@@ -8,7 +8,7 @@ import { asked } from "./server.js";
 
 const WORDS = { none: "Make the house", done: "Make it again", failed: "Try again", cancelled: "Go on", interrupted: "Go on" };
 
-const FILE_OF = { "3D": "viewer.html", Picture: "preview.png", Rooms: "rooms.jpg", "Beside photos": "views.jpg", Floors: "patterns.jpg", "Pieces of photos": "contact_sheet.png", Textures: "house.glb" };
+const FILE_OF = { "3D": "viewer.html", Picture: "preview.png", Rooms: "rooms.jpg", "Beside photos": "views.jpg", Floors: "patterns.jpg", "Pieces of photos": "contact_sheet.png", "What is not sure": "doubts.html", Textures: "house.glb" };
 
 export class HouseView {
   run = { state: "none", stages: [], results: { files: {}, tiles: [] }, settings: {} }; view = "3D"; shown = ""; folds = {}; turn = 0;
@@ -45,11 +45,20 @@ export class HouseView {
   async take(run) {
     if (!this.started) this.settle(run.settings);
     this.started = true;
+    await this.takeRooms(run.results.files["photos.csv"]);
     this.run = run;
     const text = JSON.stringify([run, this.app.problems.length, this.app.store.state.photos, this.view, this.host.revision]);
     if (text === this.shown) return;
     this.shown = text;
     this.render();
+  }
+  /** Read where the run put the photos whose room was not given, if its table is another one. */
+  async takeRooms(time) {
+    if (!time || time === this.tableTime) return;
+    const answer = await fetch(`results/photos.csv?${time}`);
+    if (!answer.ok) return;
+    this.found = new Map(readTable(await answer.text()).map(({ name, rooms }) => [name, rooms[0]]));
+    this.tableTime = time;
   }
   settle(settings) {
     for (const [name, choice] of Object.entries(this.choices)) if (name in settings) choice.value = settings[name];
@@ -121,7 +130,7 @@ export class HouseView {
   }
   photoSection() {
     const { photos } = this.app.store.state;
-    return el("section", {}, el("h2", {}, "Photos and their rooms"), photos.length ? el("div", { className: "photos" }, photos.map((photo) => photoCard(this.app, photo))) : el("p", { className: "soft" }, "None: every surface is made up from what homes are like."));
+    return el("section", {}, el("h2", {}, "Photos and their rooms"), photos.length ? el("div", { className: "photos" }, photos.map((photo) => photoCard(this.app, photo, this.found?.get(photo.name)))) : el("p", { className: "soft" }, "None: every surface is made up from what homes are like."));
   }
 
   renderResults() {
@@ -156,7 +165,7 @@ export class HouseView {
   get place() { return this.finishes.surface?.place ? `#${this.finishes.surface.place}` : ""; }
   paneOf(files, tiles) {
     const at = (name) => `results/${name}?${files[name] ?? ""}`;
-    if (this.view === "3D") return el("iframe", { src: at("viewer.html") + this.place, title: "The house in 3D", sandbox: "allow-scripts allow-downloads", allow: "fullscreen; xr-spatial-tracking" });
+    if (FILE_OF[this.view].endsWith(".html")) return el("iframe", { src: at(FILE_OF[this.view]) + (this.view === "3D" ? this.place : ""), title: this.view === "3D" ? "The house in 3D" : this.view, sandbox: "allow-scripts allow-downloads", allow: "fullscreen; xr-spatial-tracking" });
     if (this.view !== "Textures") {
       const image = el("img", { src: at(FILE_OF[this.view]), alt: this.view, title: "Click: full size, or to fit", onclick: () => image.classList.toggle("full") });
       return el("div", { className: "pane", tabIndex: 0, role: "region", "aria-label": this.view }, image);
