@@ -12,13 +12,10 @@ def _hidden(listed, drop, house="h"):
     return hidden_photos(listed, drop, NAMES, seed=0, house_id=house)
 
 
-def test_fractions_of_the_list_are_the_list_s():
+@pytest.mark.parametrize("listed", [LISTED, None])
+def test_fractions_of_the_list_are_the_list_s_and_others_lie_between(listed):
     assert _hidden(LISTED, "0.0") == [] and _hidden(LISTED, "0.2") == ["3.jpg", "7.jpg"]
     assert _hidden(LISTED, "0.6") == NAMES[2:8]
-
-
-@pytest.mark.parametrize("listed", [LISTED, None])
-def test_other_fractions_lie_between_and_are_nested(listed):
     hidden = {drop: set(_hidden(listed, drop)) for drop in SWEEP_DROPS}
     assert [len(names) for names in hidden.values()] == list(range(11))
     for smaller, larger in pairwise(SWEEP_DROPS):

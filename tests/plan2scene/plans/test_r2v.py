@@ -83,9 +83,6 @@ def test_output_labels_by_the_side_of_the_walls(tmp_path):
     assert [room_polygon(r).area for r in house.rooms] == pytest.approx([20.0, 12.0])
     assert house.doors == (Door("room_0", "hole_0", "room_1"),) and house.warnings == ()
     assert read(tmp_path, OUTPUT.replace("0 0 100 0 0 1", "100 0 0 0 1 0")) == house
-
-
-def test_open_plan_has_several_types(tmp_path):
     text = ANNOTATION + "60 60 80 66 kitchen 1 1\n80 60 100 66 dining_room 1 1\n"
     assert read(tmp_path, text).rooms[0].types == ("Bedroom", "Kitchen", "Reception")
 

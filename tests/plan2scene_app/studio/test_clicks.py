@@ -142,6 +142,7 @@ home = Path(sys.argv[1])
     " parent.postMessage({kind: 'surface', room: e.target.textContent === 'door' ? 'door' :"
     " 'room', surface: e.target.textContent, title: e.target.textContent}, '*')</script>"
 )
+(home / "house" / "photos.csv").write_text("photo,room_id\\nbed.jpg,room_2")
 line = "file /a/plan.json, house h, room room: expected a, found b"
 tell("finished", rule="house", warnings=[line])
 end("done")
@@ -170,6 +171,7 @@ def test_surfaces_are_clicked_and_set_by_hand(drawing, studio, tmp_path, monkeyp
     add_photo(drawing, tmp_path, "room")
     page.click("#make")
     page.wait_for_function("() => house.run.state === 'done'")
+    assert page.evaluate("house.found.get('bed.jpg')") == "room_2"
     page.get_by_text("One thing to know").click()
     assert page.locator("#run details p").inner_text() == "room: expected a, found b"
     house, hand = page.frame_locator("iframe"), page.locator("#finishes")
@@ -197,9 +199,7 @@ def test_surfaces_are_clicked_and_set_by_hand(drawing, studio, tmp_path, monkeyp
     hand.get_by_text("room, wall: as in room_2").wait_for()
     for surface in ("trim", "door"):
         choose(surface)
-        assert (
-            hand.locator("select, .picks").count() == 1
-        )  # that of surfaces: they have a colour alone
+        assert hand.locator("select, .picks").count() == 1  # of surfaces: they have a colour alone
         hand.get_by_label(f"Colour of {surface}").fill("#204060")
         house.get_by_text("#204060").wait_for()
     hand.get_by_text("room, skirting and frames: #204060").wait_for()
