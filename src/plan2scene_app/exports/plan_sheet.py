@@ -44,6 +44,8 @@ class SheetSettings:
     scales: tuple[int, ...] = (50, 75, 100, 150, 200, 250, 300, 400, 500, 750, 1000)
     dimension_mm: float = 9.0  #: from the house to its farther dimension line, on the page
     font_pt: float = 7.0
+    line_mm: float = 3.0  #: height of a line of a label, and usual width of a letter, on the page
+    letter_mm: float = 1.4
     same_m: float = 0.15  #: corners closer than this along an axis are one dimension point
     full: float = 0.97  #: a room that fills more than this share of its box is a rectangle
     dark: str = "#35322e"
@@ -119,9 +121,9 @@ def _sheet(storey: Storey, title: str) -> Figure:
         axes.plot(*ends.T, color=SETTINGS.light, linewidth=0.6)
         x, y = ends.mean(axis=0)
         axes.text(x, y, f"{steps} steps", ha="center", color=SETTINGS.light)
-    for room, polygon in zip(storey.house.rooms, rooms, strict=True):
-        _label(axes, room, polygon)
     metres = scale / 1000  # metres of the house per millimetre of the page
+    for room, polygon in zip(storey.house.rooms, rooms, strict=True):
+        _label(axes, room, polygon, metres)
     _dimensions(axes, outline, SETTINGS.dimension_mm * metres)
     inside = [
         p.area for room, p in zip(storey.house.rooms, rooms, strict=True) if not room.open_air
@@ -175,14 +177,24 @@ def _draw_walls(axes: Axes, storey: Storey, solid: BaseGeometry) -> None:
         axes.text(x, y, text, ha="center", va="center", fontsize=size, color=SETTINGS.light)
 
 
-def _label(axes: Axes, room: Room, polygon: Polygon) -> None:
-    """Write a room's name, its net area and, if it is a rectangle, its inner sides."""
-    place = polylabel(polygon, 0.05)
+def _label(axes: Axes, room: Room, polygon: Polygon, metres: float) -> None:
+    """Write a room's name, its net area and, if it is a rectangle with space, its inner sides.
+
+    The label of a narrow room is turned. `metres` are those of a millimetre of the page.
+    """
     x0, z0, x1, z1 = polygon.bounds
     lines = [room.name or room.id.replace("_", " "), f"{polygon.area:.2f} m\u00b2"]
-    if polygon.area > SETTINGS.full * (x1 - x0) * (z1 - z0):
+    full = polygon.area > SETTINGS.full * (x1 - x0) * (z1 - z0)
+    if full:
         lines.append(f"{x1 - x0:.2f} x {z1 - z0:.2f} m")
-    axes.text(place.x, place.y, "\n".join(lines), ha="center", va="center", color=SETTINGS.dark)
+    place = polygon.centroid if full else polylabel(polygon, 0.05)
+    turned = max(map(len, lines)) * SETTINGS.letter_mm * metres > x1 - x0 < z1 - z0
+    space = (x1 - x0 if turned else z1 - z0) / (SETTINGS.line_mm * metres)
+    text = "\n".join(lines[: max(2, int(space))])
+    angle = 90.0 if turned else 0.0
+    axes.text(
+        *(place.x, place.y, text), ha="center", va="center", rotation=angle, color=SETTINGS.dark
+    )
 
 
 def _dimensions(axes: Axes, outline: BaseGeometry, away: float) -> None:
