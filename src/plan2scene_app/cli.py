@@ -67,7 +67,8 @@ def _house_name(plan: Path, out: Path | None = None) -> str:
     name = plan.name.split(".")[0]
     if out is not None and _ANY_PLAN.fullmatch(name):
         name = out.resolve().name or name
-    return name.encode("utf-8", "replace").decode()[:100]
+    shown = "".join(letter for letter in name if letter.isprintable() and letter not in "{}")
+    return shown.encode("utf-8", "replace").decode()[:100]
 
 
 def _layers(pairs: list[str] | None) -> dict[str, str]:

@@ -174,7 +174,7 @@ def test_what_a_run_shows_reaches_the_workflow(tmp_path, monkeypatch):
     assert call("run", "--plan", PLAN, "--out", tmp_path / "out", "--walls", "accent")[0] == 2
     assert call("run", "--plan", PLAN, "--photos", tmp_path, "--out", tmp_path / "out")[0] == 0
     assert [asked[2].photo_table, asked[2].photos_dir] == [None, tmp_path]
-    assert call("run", "--plan", tmp_path / "Haus_3.json", "--out", tmp_path / "out")[0] == 0
+    assert call("run", "--plan", tmp_path / "Haus_{3}.json", "--out", tmp_path / "out")[0] == 0
     assert [request.name for request in asked[2:]] == ["out", "Haus_3"]  # PLAN is any plan.json
     # Of a profile that Snakemake finds by itself it prints a line in every run.
     command = []
