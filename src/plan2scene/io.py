@@ -256,7 +256,9 @@ def safe_join(
         or any(part in ("", ".", "..") for part in name.split("/"))
     )
     if bad:
-        expected = "a plain file name without '..', a leading '/' or braces"
+        expected = (
+            "a plain file name without '..', a leading '/', end spaces or any of \\:*?\"<>|{}"
+        )
         raise InputError(expected, repr(name), file=file, house=house_id)
     longest = max(len(os.fsencode(part)) for part in name.split("/"))
     if longest > MAX_NAME_BYTES or len(os.fsencode(name)) > MAX_PATH_BYTES:

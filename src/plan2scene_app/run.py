@@ -185,9 +185,12 @@ def photos_in(folder: Path, plans: Collection[Path]) -> list[str]:
             continue
         photos = photo_by_stem.values()
         same = [old for old in photos if filecmp.cmp(files[old], path, shallow=False)]
-        same += [photo_by_stem[stem]] if (stem := Path(name).stem) in photo_by_stem else []
+        stem = Path(name).stem
         if same:
             _LOG.warning("photo %s left out: %s is the same", name, same[0])
+        elif stem in photo_by_stem:
+            why = "has the same name before the extension"
+            _LOG.warning("photo %s left out: %s %s", name, photo_by_stem[stem], why)
         elif _is_page(path):
             why = "a drawing or a page, no photo; a photo table that names it keeps it"
             _LOG.warning("photo %s left out: %s", name, why)

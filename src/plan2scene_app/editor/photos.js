@@ -11,7 +11,7 @@ export function photoProblems(photos, rooms) {
   const tell = (level, expected, text, photo) => found.push({ level, expected, found: text, room: "", opening: "", photo });
   for (const { name, rooms: shown } of photos) {
     if (/[\\:*?"<>|{}\u0000-\u001f]/.test(name) || name !== name.trim() || name.startsWith("/") || name.split("/").some((part) => ["", ".", ".."].includes(part)))
-      tell("error", "a plain file name without '..', a leading '/' or braces", `'${name}'`, name);
+      tell("error", "a plain file name without '..', a leading '/', end spaces or any of \\:*?\"<>|{}", `'${name}'`, name);
     const stem = name.split("/").at(-1).replace(/(?<=.)\.[^.]*$/, "");
     if (stems.has(stem)) tell("error", "photo names that differ before the extension", `${stems.get(stem)} and ${name}`, name);
     stems.set(stem, name);
