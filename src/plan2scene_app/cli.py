@@ -180,8 +180,12 @@ def run_house(
         dxf_layers=_layers(dxf_layer),
         fov_deg=fov,
     )
-    for name, path in run(request, out, cores=cores, printed=printed).items():
+    made = run(request, out, cores=cores, printed=printed)
+    for name, path in made.items():
         print(f"{name}: {path}")
+    pages = [str(made[name]) for name in ("viewer.html", "doubts.html") if name in made]
+    if pages:
+        print(f"open in a browser: {', '.join(pages)}")
 
 
 @app.command("check")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import filecmp
+import hashlib
 import logging
 import os
 import shutil
@@ -50,15 +51,25 @@ class OutFolder:
     def deliver(self, files: Mapping[str, Path]) -> dict[str, Path]:
         """Copy files and folders to these names, each atomically; return their paths.
 
-        A file that is already there with the same content is not written, so its time stays.
+        A file that is already there with the same content is not written, so its time stays. One
+        that the user changed since it was delivered stays, with a warning.
         """
         targets = {name: self.path / name for name in files}
+        edited = [name for name in files if changed_by_hand(self.path, name)]
         names = set(_delivered(self.work)) | set(files)
+        digests = _digests(self.work)
         for name, source in files.items():
             if source.is_dir():
                 names |= {f"{name}/{path.name}" for path in source.iterdir()}
-        write_json(self.work / _RECORD, {"files": sorted(names)}, flush=True)
+            elif name not in edited:
+                # With the one before: if the copy fails, that file is still there.
+                digests[name] = [*digests.get(name, [])[-1:], _digest(source)]
+        record = {"files": sorted(names), "digests": dict(sorted(digests.items()))}
+        write_json(self.work / _RECORD, record, flush=True)
         for name, source in files.items():
+            if name in edited:
+                _LOG.warning("%s was changed since the last run: it stays", targets[name])
+                continue
             if source.is_dir():
                 ignored = shutil.ignore_patterns(*_BYPRODUCTS)
                 with atomic_directory(targets[name], flush=True) as folder:
@@ -74,6 +85,25 @@ class OutFolder:
 def is_out_folder(path: Path) -> bool:
     """Return whether a folder is the output folder of a run."""
     return (path / WORK / _LOCK).is_file()
+
+
+def changed_by_hand(path: Path, name: str) -> bool:
+    """Return whether a file of an output folder is no longer what the last run delivered."""
+    digests = _digests(path / WORK).get(name)
+    file = path / name
+    return digests is not None and file.is_file() and _digest(file) not in digests
+
+
+def _digest(file: Path) -> str:
+    return hashlib.sha256(file.read_bytes()).hexdigest()
+
+
+def _digests(work: Path) -> dict[str, list[str]]:
+    """Return SHA-256 of what the last two runs delivered, by the file's name."""
+    record = work / _RECORD
+    content = read_json(record) if record.is_file() else {}
+    digests = content.get("digests") if isinstance(content, dict) else None
+    return dict(digests) if isinstance(digests, dict) else {}
 
 
 @contextmanager

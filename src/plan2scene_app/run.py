@@ -28,7 +28,7 @@ from plan2scene.provenance import WORKFLOW
 from plan2scene_app.bound_process import run_bound
 from plan2scene_app.check import photo_problem
 from plan2scene_app.finishes import finishes_file, read_finishes
-from plan2scene_app.out_folder import OutFolder, claimed_folder
+from plan2scene_app.out_folder import OutFolder, changed_by_hand, claimed_folder
 from plan2scene_app.packed_photos import photo_files, unpacked
 from plan2scene_app.panoramas import FOV_DEG, cut_panoramas, panorama_of
 from plan2scene_app.tracing.picture import paper_share, read_plan_picture
@@ -50,15 +50,16 @@ DELIVERED: tuple[str, ...] = (
     "rooms.jpg",
     "viewer.html",
 )
+#: The table of the photos' rooms, which the user can correct.
+PHOTO_TABLE = "photos.csv"
 #: Further files if there are photos: the house seen from the photos' places, the floors' patterns,
-#: the contact sheet, the page of doubts, and the table of the photos' rooms, which the user can
-#: correct and pass to the next run.
+#: the contact sheet, the page of doubts, and the table.
 OF_PHOTOS: tuple[str, ...] = (
     "views.jpg",
     "patterns.jpg",
     "contact_sheet.png",
     "doubts.html",
-    "photos.csv",
+    PHOTO_TABLE,
 )
 #: Snakemake options by what is printed of the progress: nothing, a line for each job (a bar on a
 #: terminal), or everything.
@@ -94,6 +95,8 @@ class SingleHouse:
     name: str = ""
     #: Further pictures: each shows another storey of the home.
     storeys: tuple[Path, ...] = ()
+    #: Photo table of an earlier run that the user changed: rooms of the photos in `photos_dir`.
+    corrections: Path | None = None
     #: Files of the views of each 360-degree photo, by name; see `panoramas.cut_panoramas`.
     views: Mapping[str, Mapping[str, Path]] = field(default_factory=dict)
 
@@ -250,7 +253,7 @@ def prepare(request: SingleHouse, names: list[str], work: Path) -> Path:
     elif request.photo_table is not None:
         _copy_changed(request.photo_table, root / assignment)
     elif names:
-        _write_changed(_table_of(names).encode(), root / assignment)
+        _write_changed(_table_of(names, request).encode(), root / assignment)
     with (root / "houses.tsv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, delimiter="\t", lineterminator="\n")
         writer.writerow(COLUMNS)
@@ -267,10 +270,16 @@ def _copy_finishes(plan: Path, copy: Path) -> None:
         target.unlink(missing_ok=True)
 
 
-def _table_of(names: list[str]) -> str:
-    """Return the text of a photo table (CSV) for photos whose rooms are not known."""
+def _table_of(names: list[str], request: SingleHouse) -> str:
+    """Return the text of a photo table (CSV), with the rooms that the user corrected."""
+    rooms: dict[str, list[str]] = {}
+    if request.corrections is not None:
+        for row in read_assignment(request.corrections, house_id=request.house):
+            rooms.setdefault(row.photo, []).append(row.room_id)
     text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows([["photo"], *([name] for name in names)])
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(["room_id", "photo"])
+    table.writerows([room, name] for name in names for room in rooms.get(name, [""]))
     return text.getvalue()
 
 
@@ -388,6 +397,9 @@ def run(
     with unpacked(request.photos_dir) as photos_dir, tempfile.TemporaryDirectory() as views:
         request = replace(request, photos_dir=photos_dir)
         request = replace(request, views=_views(request, Path(views)))
+        if not request.photo_table and changed_by_hand(out, PHOTO_TABLE):
+            request = replace(request, corrections=out / PHOTO_TABLE)
+            _LOG.warning("%s was changed since the last run: its rooms are used", out / PHOTO_TABLE)
         names = read_input(request)
         wanted = (*DELIVERED, *OF_PHOTOS) if names else DELIVERED
         wanted += TRACED if is_picture(request) else ()

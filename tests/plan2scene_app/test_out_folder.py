@@ -5,7 +5,7 @@ import sys
 import pytest
 
 from plan2scene.errors import InputError
-from plan2scene_app.out_folder import claimed_folder
+from plan2scene_app.out_folder import changed_by_hand, claimed_folder
 
 NAMES = ("house.glb", "textures")
 
@@ -83,7 +83,7 @@ def test_what_is_left_of_a_killed_run_is_waited_for(tmp_path, caplog):
     holds = f"""
 import os, subprocess, sys
 from pathlib import Path
-from plan2scene_app.out_folder import claimed_folder
+from plan2scene_app.out_folder import changed_by_hand, claimed_folder
 with claimed_folder(Path({str(tmp_path)!r}), (), []) as folder:
     code = "import time; time.sleep(1.5)"
     subprocess.Popen([sys.executable, "-c", code], pass_fds=(folder.lock,))
@@ -102,6 +102,18 @@ def test_a_killed_run_leaves_no_lock_of_snakemake(tmp_path):
         (locks / "0.output.lock").write_text("x")
     with claimed_folder(tmp_path, NAMES, []):
         assert not locks.exists()
+
+
+def test_what_the_user_changed_since_stays(tmp_path, made, caplog):
+    for content in (b"new", b"newer", b"newest"):
+        made["house.glb"].write_bytes(content)
+        with claimed_folder(tmp_path / "out", NAMES, []) as folder:
+            folder.deliver(made)
+        if content == b"newer":
+            (tmp_path / "out" / "house.glb").write_bytes(b"mine")
+        assert changed_by_hand(tmp_path / "out", "house.glb") == (content != b"new")
+    assert (tmp_path / "out" / "house.glb").read_bytes() == b"mine"
+    assert "house.glb was changed since the last run: it stays" in caplog.text
 
 
 def test_a_failed_delivery_keeps_what_was_there(tmp_path, made, monkeypatch):

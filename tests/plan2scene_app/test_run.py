@@ -74,6 +74,10 @@ def test_a_table_names_the_views_of_a_panorama(given, tmp_path):
     assert rows == ["room_id,photo", "hall,a_1.jpg", "hall,a_2.jpg", "bath,b.jpg"]
     names = sorted(path.name for path in (tmp_path / "dataset" / "photos").iterdir())
     assert names == ["a_1.jpg", "a_2.jpg", "b.jpg"]
+    asked = replace(asked, photo_table=None, photos_dir=table.parent, corrections=table)
+    prepare(asked, ["b.jpg", "c.jpg"], tmp_path)
+    rows = (tmp_path / "dataset" / "photoroom.csv").read_text().splitlines()
+    assert rows == ["room_id,photo", "bath,b.jpg", ",c.jpg"]
 
 
 @pytest.mark.parametrize(("installed", "masks"), [(True, "imagenet"), (False, "embedded")])

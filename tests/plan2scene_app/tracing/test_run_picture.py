@@ -101,7 +101,7 @@ def test_a_folder_of_photos_is_given_with_a_picture(picture, tmp_path, caplog):
     dataset = tmp_path / "dataset"
     rows = (dataset / "houses.tsv").read_text().splitlines()[1].split("\t")
     assert rows[3:] == ["photoroom.csv", "a copy.png|kitchen_b.jpg"]
-    assert (dataset / "photoroom.csv").read_text() == "photo\na copy.png\nkitchen_b.jpg\n"
+    assert (dataset / "photoroom.csv").read_text() == "room_id,photo\n,a copy.png\n,kitchen_b.jpg\n"
     assert (dataset / "photos" / "kitchen_b.jpg").is_file()
 
 
