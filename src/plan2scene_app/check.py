@@ -11,7 +11,6 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
 from plan2scene.datasets.assignments import check_assignment, read_assignment
-from plan2scene.datasets.drops import read_unobserved
 from plan2scene.datasets.house_table import SPLITS, TableRow, read_table, table_of_lists
 from plan2scene.datasets.import_plan import add_object_boxes
 from plan2scene.datasets.layout import Layout, find_layout
@@ -23,6 +22,7 @@ from plan2scene.plans.formats import read_plan
 from plan2scene.plans.plan_file import PlanFile
 from plan2scene.plans.validate import house_faults, name_oddities, validate_house
 from plan2scene_app.pdf import page_picture
+from plan2scene_app.workflow.drops import read_unobserved
 
 if TYPE_CHECKING:
     from PIL import Image

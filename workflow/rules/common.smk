@@ -10,7 +10,6 @@ from pathlib import Path
 
 from snakemake.logging import logger
 
-from plan2scene.datasets.drops import hidden_photos, read_unobserved
 from plan2scene.datasets.layout import find_layout
 from plan2scene.errors import InputError
 from plan2scene.images import SUFFIXES
@@ -31,6 +30,7 @@ from plan2scene_app.workflow.config import (
     chosen_crops,
     table_of,
 )
+from plan2scene_app.workflow.drops import hidden_photos, read_unobserved
 from plan2scene_app.workflow.planning import (
     lacks_rooms,
     may_lack_heights,

@@ -1,5 +1,5 @@
 # On demand: every metric against the share of hidden photos, `snakemake -j2 sweep`.
-from plan2scene.datasets.drops import SWEEP_DROPS
+from plan2scene_app.workflow.drops import SWEEP_DROPS
 
 
 rule sweep_house:

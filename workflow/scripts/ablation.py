@@ -1,6 +1,6 @@
 """Rule ablation: all houses' ablations -> the second table."""
 
-from plan2scene.evaluation.ablation import ablation_table
+from plan2scene_app.study.ablation import ablation_table
 from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from plan2scene.evaluation.ablation import ablate_house
-from plan2scene.evaluation.houses import EvaluatedHouse
+from plan2scene_app.study.ablation import ablate_house
+from plan2scene_app.study.evaluated_house import EvaluatedHouse
 from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):

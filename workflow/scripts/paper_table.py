@@ -2,15 +2,15 @@
 
 from plan2scene.evaluation.paper_table import paper_table
 from plan2scene.evaluation.tables import TableRequest
+from plan2scene_app.study.plots import plot_table
 from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):
-    paper_table(
+    table = paper_table(
         snakemake.input.metrics,
         snakemake.input.references,
         snakemake.output.csv,
         snakemake.output.parquet,
-        snakemake.output.plot,
         snakemake.output.latex,
         request=TableRequest(
             dataset=snakemake.params.dataset,
@@ -20,3 +20,4 @@ with job(snakemake.log[0]):
             seed=snakemake.params.seed,
         ),
     )
+    plot_table(table, snakemake.output.plot)

@@ -1,7 +1,7 @@
 """Rule sweep: all houses' sweeps -> every metric against the share of hidden photos."""
 
-from plan2scene.evaluation.sweep import sweep_table
 from plan2scene.evaluation.tables import TableRequest
+from plan2scene_app.study.sweep import sweep_table
 from plan2scene_app.workflow.jobs import job
 
 with job(snakemake.log[0]):

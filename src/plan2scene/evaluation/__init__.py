@@ -1,1 +1,1 @@
-"""Evaluation on a data set: metrics, the paper's table 1, sweeps over drops, ablations."""
+"""Evaluation on a data set: the metrics of each house, and the paper's table 1."""

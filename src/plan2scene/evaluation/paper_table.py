@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from plan2scene.evaluation.measurements import Measurements
-from plan2scene.evaluation.plot import plot_table
 from plan2scene.evaluation.tables import TableRequest, latex_table, tidy_table, wide_table
 from plan2scene.io import write_csv, write_parquet, write_text
 
@@ -28,12 +27,11 @@ def paper_table(
     reference_files: Iterable[str | Path],
     output_csv: str | Path,
     output_parquet: str | Path,
-    output_plot: str | Path,
     output_latex: str | Path,
     *,
     request: TableRequest,
 ) -> pd.DataFrame:
-    """Write the table as CSV, tidy Parquet, plot and LaTeX; return the tidy table.
+    """Write the table as CSV, tidy Parquet and LaTeX; return the tidy table.
 
     `metrics_files` are ``metrics.parquet`` of the houses, `reference_files` their
     ``reference_features.parquet``.
@@ -50,6 +48,5 @@ def paper_table(
         published=True,
     )
     write_csv(output_csv, wide)
-    plot_table(tidy, output_plot)
     write_text(output_latex, latex_table(tidy))
     return tidy

@@ -1,1 +1,1 @@
-"""The user study: its sheets, its form and the evaluation of the answers."""
+"""Studies of the method: plots, sweeps over drops, ablations, and the user study."""

@@ -2,7 +2,7 @@ from itertools import pairwise
 
 import pytest
 
-from plan2scene.datasets.drops import SWEEP_DROPS, hidden_photos
+from plan2scene_app.workflow.drops import SWEEP_DROPS, hidden_photos
 
 NAMES = [f"{i}.jpg" for i in range(10)]
 LISTED = {"0.0": [], "0.2": ["3.jpg", "7.jpg", "other.jpg"], "0.6": NAMES[2:8]}

@@ -7,14 +7,14 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
-from plan2scene.evaluation.houses import EvaluatedHouse, measured_at
 from plan2scene.evaluation.measure import write_measured
 from plan2scene.evaluation.measurements import Measurements
-from plan2scene.evaluation.plot import plot_sweep
 from plan2scene.evaluation.references import reference_images
 from plan2scene.evaluation.tables import TableRequest, tidy_table, wide_table
 from plan2scene.io import write_csv
 from plan2scene.textures.inputs import HouseData, Visible
+from plan2scene_app.study.evaluated_house import EvaluatedHouse, measured_at
+from plan2scene_app.study.plots import plot_sweep
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from plan2scene.evaluation.sweep import sweep_house, sweep_table
 from plan2scene.evaluation.tables import TableRequest
 from plan2scene.io import read_parquet
 from plan2scene.textures.methods import texture_methods
+from plan2scene_app.study.sweep import sweep_house, sweep_table
 
 HIDDEN = {"0.0": [], "0.1": [], "0.5": ["p2.jpg"], "1.0": ["p1.jpg", "p2.jpg", "p3.jpg"]}
 

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plan2scene.evaluation.houses import EvaluatedHouse, Models, measured_at
 from plan2scene.evaluation.measure import write_measured
 from plan2scene.evaluation.measurements import Measurements
 from plan2scene.evaluation.references import reference_images
@@ -33,6 +32,7 @@ from plan2scene.propagation.predictors import PREDICTORS
 from plan2scene.seeds import generator
 from plan2scene.textures.inputs import HouseData, Visible
 from plan2scene.weights import load_model_file, save_model_file
+from plan2scene_app.study.evaluated_house import EvaluatedHouse, Models, measured_at
 
 if TYPE_CHECKING:
     import pandas as pd

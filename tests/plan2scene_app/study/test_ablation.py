@@ -1,5 +1,5 @@
-from plan2scene.evaluation.ablation import VARIANTS, ablate_house
 from plan2scene.io import read_parquet
+from plan2scene_app.study.ablation import VARIANTS, ablate_house
 
 
 def test_variants_change_only_the_surfaces_they_are_about(house, embeddings, tmp_path_factory):

@@ -1,0 +1,1 @@
+from evaluated_house import *  # noqa: F403 - its fixtures
