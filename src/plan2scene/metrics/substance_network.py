@@ -26,13 +26,9 @@ class SubstanceNetwork(nn.Module):
     Strided convolutions give maps. The means and standard deviations of the maps over the image
     describe a stationary texture; a linear layer turns them into the penultimate features.
 
-    Shapes
-    ------
-    input : (n, 3, h, w) float32, sRGB in [0, 1], trained with h = w = 128
-    features : (n, `feature_dim`) float32, standardised over the training crops
-    logits : (n, 4) float32, order of ``house.SUBSTANCES``
-
-    `widths` are the channels of the convolutions, `feature_dim` those of the penultimate layer.
+    Input: (n, 3, h, w) float32, sRGB in [0, 1], trained with h = w = 128. Features, of the
+    penultimate layer: (n, `feature_dim`) float32, standardised over the training crops. Logits:
+    (n, 4) float32, order of ``house.SUBSTANCES``. `widths` are the channels of the convolutions.
     """
 
     shift: torch.Tensor

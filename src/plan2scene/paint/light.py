@@ -182,15 +182,14 @@ class LogSums:
         return np.asarray(terms + np.diag(self.noise[:, axis] ** 2))
 
 
-def estimate_light(
-    colours: Sequence[SurfaceColour], prior: LightPrior = PHOTO_LIGHT
-) -> dict[str, np.ndarray]:
+def estimate_light(colours: Sequence[SurfaceColour]) -> dict[str, np.ndarray]:
     """Return the light (3,) of each photo, linear RGB, 1 for light that shows paint as it is.
 
     `colours` are those of all photos of a house. A surface in two photos ties their light together.
     Photos without a common surface are tied by the prior alone: it prefers a change of the house's
     light to changes of single photos, so that rooms' colours stay as different as in the photos.
     """
+    prior = PHOTO_LIGHT
     photos = sorted({item.photo for item in colours})
     surfaces = sorted({(item.room_id, item.surface) for item in colours})
     if not photos:
@@ -233,25 +232,15 @@ def house_gains(
 
 
 def expected_colours(
-    observed: HouseColours,
-    usual: np.ndarray,
-    prior: LightPrior = SURFACE_COLOURS,
-    *,
-    as_if_unseen: bool = False,
+    observed: HouseColours, usual: np.ndarray, *, as_if_unseen: bool = False
 ) -> np.ndarray:
     """Return the sRGB (n, 3, 3) in [0, 1] that every surface of n rooms is expected to have.
 
     A surface that is well seen keeps its colour; one of which few pixels are seen, or none, follows
-    its kind in the house and its room's light.
-
-    Parameters
-    ----------
-    observed : HouseColours
-    usual : (n, 3, 3) float
-        sRGB of such surfaces in other houses.
-    as_if_unseen : bool
-        Predict the colour of each surface without its own observation.
+    its kind in the house and its room's light. `usual` is the sRGB (n, 3, 3) of such surfaces in
+    other houses. With `as_if_unseen`, each surface is predicted without its own observation.
     """
+    prior = SURFACE_COLOURS
     size, rooms = observed.photos.size, len(observed.photos)
     room, kind = np.divmod(np.arange(size), len(SURFACES))
     values = log_axes(srgb_to_linear(np.clip(usual, 0.0, 1.0))).reshape(-1, 3)
@@ -327,16 +316,10 @@ def _bent(values: np.ndarray, gain: float, knee: float) -> np.ndarray:
 def recoloured(
     image: np.ndarray, colour: np.ndarray, median: np.ndarray | None = None
 ) -> np.ndarray:
-    """Return an image with another median colour (:func:`repainted`); no channel burns out.
+    """Return an image (h, w, 3) uint8 sRGB with another median `colour` (3,), sRGB in [0, 1].
 
-    It is as if another pigment with the same grain reflected the light.
-
-    Parameters
-    ----------
-    image : (h, w, 3) uint8 sRGB
-    colour : (3,) float, sRGB in [0, 1]
-    median : (3,) float, sRGB in [0, 1], optional
-        What counts as the image's median colour.
+    It is as if another pigment with the same grain reflected the light (:func:`repainted`); no
+    channel burns out. `median` is what counts as the image's own median colour.
     """
     before = median_colour(image) if median is None else median
     wanted, own = (np.maximum(srgb_to_linear(c), _BLACK) for c in (colour, before))

@@ -110,13 +110,8 @@ def usual_colour(shares: Iterable[np.ndarray], weights: Iterable[float]) -> np.n
     """Return the mean (3,) of the `ALIKE` share of colours whose luminance is most alike.
 
     The shortest half (Rousseeuw 1984, DOI 10.1080/01621459.1984.10477105) of log luminance: shadows
-    on one side, glare and lamps on the other do not move it.
-
-    Parameters
-    ----------
-    shares : arrays (m, 3), linear RGB
-        Of each observation, the colours of equal shares of its pixels.
-    weights : float of each observation
+    on one side, glare and lamps on the other do not move it. `shares` are, of each observation, the
+    linear RGB (m, 3) of equal shares of its pixels.
     """
     colours = np.concatenate(list(map(np.asarray, shares)))
     each = [np.full(len(s), w / len(s)) for s, w in zip(shares, weights, strict=True)]
@@ -138,7 +133,7 @@ def matte_colour(shares: Iterable[np.ndarray], weights: Iterable[float]) -> np.n
 
     Glare adds the hue of the light to bright pixels (dichromatic reflection: Shafer 1985, DOI
     10.1002/col.5080100409). The `DARKEST` share is left out: it lies in the shadow of furniture and
-    takes its colour. Parameters are those of :func:`usual_colour`.
+    takes its colour.
     """
     shares, weights = list(shares), list(weights)
     usual = usual_colour(shares, weights)

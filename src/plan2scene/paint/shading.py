@@ -97,17 +97,11 @@ def _spots(image: np.ndarray) -> np.ndarray:
 
 
 def flatten(images: np.ndarray, masks: np.ndarray) -> np.ndarray:
-    """Return the images under even light, each with its own median brightness and colour.
+    """Return images (n, s, s, 3), sRGB in [0, 1], under even light; each keeps its median colour.
 
     Slow variation is removed from log brightness, and from the logs of red and blue over green
-    if they vary more than in most materials: daylight and lamps mix on a wall.
-
-    Parameters
-    ----------
-    images : (n, s, s, 3) float
-        sRGB in [0, 1].
-    masks : (n, s, s) bool
-        Highlights: they do not count in the estimate, and remain highlights.
+    if they vary more than in most materials: daylight and lamps mix on a wall. Highlights, `masks`
+    (n, s, s), do not count in the estimate, and remain highlights.
     """
     # In place where possible: a house has a thousand crops, and to allocate copies takes longer
     # than to fill them.
@@ -180,19 +174,13 @@ def _shares(terms: np.ndarray, radius: np.ndarray) -> list[tuple[np.ndarray, np.
 
 
 def consensus(tones: np.ndarray, repair: np.ndarray) -> np.ndarray:
-    """Return the colour (3,) that crops agree on.
+    """Return the colour (3,) that crops agree on; `tones` are their median colours (n, 3), sRGB.
 
     Colour casts go either way, so the mean chroma of the crops has the least error. Shading mostly
-    darkens, some crops more than others, so brightness is a weighted mean: the less of its light
-    was repaired, the more a crop weighs. Burned-out crops are left out; if they are half or more
-    of the crops (a white surface), the result is the median of all.
-
-    Parameters
-    ----------
-    tones : (n, 3) float
-        Median colours of the crops, sRGB in [0, 1].
-    repair : (n,) float
-        Standard deviation of the log light that was taken out of each.
+    darkens, some crops more than others, so brightness is a weighted mean: the smaller the standard
+    deviation of the log light that was taken out of it, `repair` (n,), the more a crop weighs.
+    Burned-out crops are left out; if they are half or more of the crops (a white surface), the
+    result is the median of all.
     """
     burned = tones.min(axis=1) > _S.white
     if 2 * burned.sum() >= len(tones):

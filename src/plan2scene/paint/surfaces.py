@@ -257,20 +257,9 @@ def paint_gains(
 
     A surface of known paint gets that paint; those in `whites` get white. Each other surface gets
     the factor of the most similar texture of known paint, of its own kind if there is one. This
-    factor is the light of photos, so textures of the surface's own photos come first.
-
-    Parameters
-    ----------
-    shown : dict of SurfaceKey to (3,) float
-        Linear RGB of the texture of each surface.
-    paint
-        As from :func:`read_paint`.
-    whites
-        As from :func:`plain_whites`.
-    usual_white : (3,) float
-        Linear reflectance of white paint.
-    guessed
-        Surfaces whose texture shows no crop of their own.
+    factor is the light of photos, so textures that show crops of their own surface, those that are
+    not `guessed`, come first. `shown` is the linear RGB (3,) of each texture, `usual_white` the
+    linear reflectance (3,) of white paint; `paint` is as from :func:`read_paint`.
     """
     factors = {key: paint[key] / shown[key] for key in shown if key in paint}
     gains = {}

@@ -146,12 +146,7 @@ def robust_centre(values: Tensor, weights: Tensor, reach: Tensor) -> Tensor:
     farther than `reach` from the median pulls no harder than one at that distance (one step of
     Huber's estimator, DOI 10.1214/aoms/1177703732).
 
-    Shapes
-    ------
-    values : (n, c, ..., d)
-    weights : (n, c, ...)
-    reach : (..., d)
-    returns : (n, ..., d)
+    `values` are (n, c, ..., d), `weights` (n, c, ...), `reach` is (..., d), the result (n, ..., d).
     """
     weights = weights[..., None]
     ordered, order = values.sort(dim=1, stable=True)

@@ -478,20 +478,10 @@ def house_maps(
     """Return the maps of all surfaces that have faces.
 
     A map has the colour of its tile and is quilted from the crops that the tile was quilted from,
-    or from the tile itself where there are none.
-
-    Parameters
-    ----------
-    house : House
-    tiles : mapping of SurfaceKey to Tile
-    materials : mapping of SurfaceKey to str
-        Name of what a surface shares with other rooms, or empty.
-    patterns : mapping of SurfaceKey to LaidPattern
-        Floors that are laid from whole units, or get joints alone (:func:`patterns_of_floors`).
-    bands : mapping of SurfaceKey to Bands
-        Walls of two materials.
-    seed : int
-        Patches are drawn by (seed, house, room, surface).
+    or from the tile itself where there are none. `materials` name what a surface shares with other
+    rooms. Floors with a pattern (:func:`patterns_of_floors`) are laid from whole units, or get
+    joints alone; walls with `bands` are of two materials. Patches are drawn by (seed, house, room,
+    surface).
     """
     areas = surface_areas(house)
     surfaces = [

@@ -111,7 +111,7 @@ def zigzags():
 @pytest.mark.parametrize("true", zigzags(), ids=str)
 def test_planks_in_columns_have_their_size_direction_and_units(true):
     image = slanting(true, seed=4)
-    (found, units) = floor_patterns([view(image, 20.0), view(image, 20.5)], {})["hall"]
+    (found, units) = floor_patterns([view(image, 20.0), view(image, 20.5)], {}, {})["hall"]
     assert found.kind == true.kind and found.width_m == pytest.approx(true.width_m, rel=0.05)
     assert found.length_m == pytest.approx(true.length_m, rel=0.05)
     assert found.direction_deg == pytest.approx(20.0, abs=1.5)
@@ -199,7 +199,7 @@ def test_a_room_of_the_material_has_its_size_and_keeps_its_own_direction():
     planks = floor(4, 16, 0.5, seed=2)
     views = [view(planks, 0.0, room="hall"), view(planks, 90.0, scale=1.06, room="bedroom")]
     views += [view(planks, 1.0, room="hall"), view(planks, 91.0, scale=1.06, room="bedroom")]
-    pairs = floor_patterns(views, {"hall": "floor-1", "bedroom": "floor-1"})
+    pairs = floor_patterns(views, {"hall": "floor-1", "bedroom": "floor-1"}, {})
     found = {room: pattern for room, (pattern, _) in pairs.items()}
     assert found["bedroom"].width_m == found["hall"].width_m == pytest.approx(0.15, rel=0.04)
     assert found["bedroom"].direction_deg == pytest.approx(90.0, abs=1.5)
@@ -208,7 +208,7 @@ def test_a_room_of_the_material_has_its_size_and_keeps_its_own_direction():
 
 def test_units_are_whole_and_without_joints():
     image = floor(4, 16, 0.5, seed=3)
-    (_, units) = floor_patterns([view(image, 0.0), view(image, 30.0)], {})["hall"]
+    (_, units) = floor_patterns([view(image, 0.0), view(image, 30.0)], {}, {})["hall"]
     assert len(units.images) > 12
     for unit in units.images:
         assert unit.shape[:2] == pytest.approx((30, 120), abs=4)
@@ -217,11 +217,11 @@ def test_units_are_whole_and_without_joints():
 
 
 def test_light_joints_are_laid_between_tiles_but_not_between_boards_of_any_length():
-    tiles, of_tiles = floor_patterns([view(1.0 - floor(4, 16, 0.5, seed=3), 0.0)], {})["hall"]
+    tiles, of_tiles = floor_patterns([view(1.0 - floor(4, 16, 0.5, seed=3), 0.0)], {}, {})["hall"]
     assert tiles.line == "light" and of_tiles.joint.mean() < -0.2
     layout = bonds.bond(SIZE_PX, 1, 28, SIDE_M, np.random.default_rng(1).uniform(0, 1, 28))
     shining = made_of(layout, seed=3, turned=True, joint=-0.15)
-    boards, of_boards = floor_patterns([view(shining, 0.0)], {})["hall"]
+    boards, of_boards = floor_patterns([view(shining, 0.0)], {}, {})["hall"]
     assert boards.line == "light" and np.isnan(boards.length_m)
     assert of_boards.images and of_boards.joint.tolist() == [0, 0, 0]
 
@@ -235,7 +235,7 @@ def test_of_many_units_the_most_usual_are_laid(monkeypatch):
     spreads = {}
     for most in (20, 1000):
         monkeypatch.setattr(units_module, "UNITS", replace(units_module.UNITS, most=most))
-        (_, units) = floor_patterns(views, {})["hall"]
+        (_, units) = floor_patterns(views, {}, {})["hall"]
         spreads[most] = np.std([unit.std() for unit in units.images])
         assert len(units.images) == most or (most == 1000 and len(units.images) > 20)
     assert spreads[20] < 0.5 * spreads[1000]

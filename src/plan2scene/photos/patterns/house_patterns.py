@@ -67,30 +67,15 @@ def write_patterns(
     output: str | Path,
     *,
     dataset: str,
-    looks: Mapping[str, tuple[float, float]] | None = None,
+    looks: Mapping[str, tuple[float, float]],
     threads: int = 1,
 ) -> pd.DataFrame:
     """Find the patterns of a house's floors and its walls in bands; write ``patterns.parquet``.
 
-    Parameters
-    ----------
-    files : PhotoFiles
-    plan : House
-    crops : path
-        ``crops.parquet``: a floor without crops, or `boarded`, can take a neighbour's pattern.
-    materials : path
-        ``materials.parquet``: floors of one material are measured together.
-    output : path
-    dataset : str
-        Name of the data set, for the metadata.
-    looks : mapping of str to (float, float), optional
-        By room, the probabilities that its floor is of wood and of tiles, by its looks.
-    threads : int
-        Number of photos, then of materials, processed at a time; it does not change the result.
-
-    Returns
-    -------
-    pandas.DataFrame
+    Floors of one material (``materials.parquet``) are measured together. A floor without crops
+    (``crops.parquet``), or one that is :func:`boarded`, can take a neighbour's pattern. `looks` are
+    the probabilities that a room's floor is of wood and of tiles. `threads` photos, then materials,
+    are processed at a time.
     """
     import pandas as pd
 
@@ -107,12 +92,11 @@ def write_patterns(
     for floors_of_photo, walls_of_photo in each(_views, photos, threads):
         floor_seen += floors_of_photo
         walls_seen += walls_of_photo
-    known = looks or {}
-    found = floor_patterns(with_usual_height(floor_seen), shared, known, threads)
+    found = floor_patterns(with_usual_height(floor_seen), shared, looks, threads)
     patterns = {room: pattern for room, (pattern, _) in found.items()}
     pictured, _ = read_parquet(crops)
     seen_rooms = set(pictured.loc[pictured["surface"] == "floor", "room_id"])
-    seen_rooms -= {room for room, pattern in patterns.items() if boarded(pattern, known.get(room))}
+    seen_rooms -= {room for room, pattern in patterns.items() if boarded(pattern, looks.get(room))}
     like = continued(plan, seen_rooms, patterns)
     rows = [
         _row(room, *found[like.get(room, room)], like.get(room, ""))
@@ -142,7 +126,7 @@ def _views(read: Callable[[], PhotoPlanes]) -> tuple[list[FloorView], list[WallV
 def floor_patterns(
     views: Sequence[FloorView],
     materials: Mapping[str, str],
-    looks: Mapping[str, tuple[float, float]] | None = None,
+    looks: Mapping[str, tuple[float, float]],
     threads: int = 1,
 ) -> dict[str, tuple[FoundPattern, Units]]:
     """Return the pattern of each room's floor that `views` show, and units cut out of them.
@@ -151,7 +135,6 @@ def floor_patterns(
     of scale. If it is plain and a room's own pattern is surer, the room keeps its own. `looks` are
     those of :func:`write_patterns`; `threads` materials are processed at a time.
     """
-    known = looks or {}
     by_material: dict[tuple[str, str], list[str]] = {}  # rooms of one material; else a room alone
     for room in sorted({room for view in views for room in view.rooms}):
         name = materials.get(room, "")
@@ -161,14 +144,14 @@ def floor_patterns(
         name, shared = materials.get(rooms[0], ""), None
         if name:
             members = [view for view in views if any(materials.get(r) == name for r in view.rooms)]
-            likely = [known[room] for room in known if materials.get(room) == name]
+            likely = [looks[room] for room in looks if materials.get(room) == name]
             both = tuple(np.mean(likely, axis=0).tolist()) if likely else None
             whole, readings = find_pattern(members, both)
             shared = whole, _units(whole, readings, members)
         room_patterns = []
         for room in rooms:
             room_views = [view for view in views if room in view.rooms]
-            own_pattern, readings = find_pattern(room_views, known.get(room))
+            own_pattern, readings = find_pattern(room_views, looks.get(room))
             if shared is None or (
                 shared[0].kind == "plain" and shared[0].confidence < own_pattern.confidence
             ):
