@@ -40,7 +40,6 @@ from plan2scene.colour import (
     srgb_to_linear,
 )
 from plan2scene.datasets.assignments import rooms_of_photos
-from plan2scene.datasets.house_table import read_table
 from plan2scene.house import House
 from plan2scene.images import medoid_index, read_image
 from plan2scene.io import read_json
@@ -53,6 +52,7 @@ from plan2scene.photos.labels.palette import CEILING, FLOOR, WALL, read_label_pn
 from plan2scene.photos.masks import make_masks
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.weights import MODELS
+from plan2scene_app.workflow.house_table import read_table
 
 LABEL = {"floor": FLOOR, "wall": WALL, "ceiling": CEILING}
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])

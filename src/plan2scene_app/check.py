@@ -11,9 +11,7 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
 from plan2scene.datasets.assignments import check_assignment, read_assignment
-from plan2scene.datasets.house_table import SPLITS, TableRow, read_table, table_of_lists
 from plan2scene.datasets.import_plan import add_object_boxes
-from plan2scene.datasets.layout import Layout, find_layout
 from plan2scene.errors import InputError
 from plan2scene.house import SURFACES, House
 from plan2scene.images import MAX_PHOTO_PIXELS, MAX_PIXELS, check_reducible, decode_image
@@ -23,6 +21,8 @@ from plan2scene.plans.plan_file import PlanFile
 from plan2scene.plans.validate import house_faults, name_oddities, validate_house
 from plan2scene_app.pdf import page_picture
 from plan2scene_app.workflow.drops import read_unobserved
+from plan2scene_app.workflow.house_table import SPLITS, TableRow, read_table, table_of_lists
+from plan2scene_app.workflow.layout import Layout, find_layout
 
 if TYPE_CHECKING:
     from PIL import Image

@@ -16,7 +16,6 @@ from pathlib import Path
 from typing import Any
 
 from plan2scene.datasets.assignments import read_assignment
-from plan2scene.datasets.house_table import COLUMNS
 from plan2scene.errors import InputError, WorkflowError
 from plan2scene.images import decode_image, png_bytes, to_small_srgb
 from plan2scene.io import absent, atomic_path, safe_join, write_text
@@ -33,6 +32,7 @@ from plan2scene_app.packed_photos import photo_files, unpacked
 from plan2scene_app.panoramas import FOV_DEG, cut_panoramas, panorama_of
 from plan2scene_app.tracing.picture import paper_share, read_plan_picture
 from plan2scene_app.tracing.settings import SETTINGS
+from plan2scene_app.workflow.house_table import COLUMNS
 
 _LOG = logging.getLogger("plan2scene")
 DATASET = "own"

@@ -27,7 +27,6 @@ from unscaled_drawings import dxf
 
 from plan2scene.checkpoints.reading import fitted_state, read_checkpoint, state_dict_of
 from plan2scene.datasets.assignments import read_assignment
-from plan2scene.datasets.house_table import read_table
 from plan2scene.datasets.import_plan import add_object_boxes
 from plan2scene.errors import InputError
 from plan2scene.images import image_from_bytes
@@ -52,6 +51,7 @@ from plan2scene_app.studio.projects import Project
 from plan2scene_app.studio.runs import status
 from plan2scene_app.workflow.config import check_config
 from plan2scene_app.workflow.drops import read_unobserved
+from plan2scene_app.workflow.house_table import read_table
 
 # Else it keeps what it knows of the sources in the folder where the tests are started.
 configuration.set_hypothesis_home_dir(Path(tempfile.gettempdir()) / "plan2scene_hypothesis")

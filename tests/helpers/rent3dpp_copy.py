@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from plan2scene.datasets.assignments import read_rows
-from plan2scene.datasets.house_table import read_table
 from plan2scene.house import IconBox, PlacedObject
 from plan2scene.io import atomic_path, read_json, read_parquet, write_json
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.scene_writer import write_scene_json
+from plan2scene_app.workflow.house_table import read_table
 from plan2scene_workshop.homes.residences import SPLITS
 
 #: Heads of the room column that photo tables in the wild have; houses take turns.

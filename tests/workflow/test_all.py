@@ -12,10 +12,10 @@ from kills import digests, kill_often, strays
 from PIL import Image
 
 from plan2scene.colour import delta_e_2000, median_colour, rgb_to_lab
-from plan2scene.datasets.house_table import read_table
 from plan2scene.images import read_image
 from plan2scene.io import read_json
 from plan2scene.plans.formats import read_plan
+from plan2scene_app.workflow.house_table import read_table
 
 #: Most mean CIEDE2000 between the median colours of tiles and true materials, over the 8 surfaces
 #: that the house's photos show: about 1 above 10.1, 12.8 and 13.5, which were measured. Those are

@@ -6,9 +6,9 @@ import pytest
 import yaml
 from places import ROOT
 
-from plan2scene.datasets.house_table import read_table
 from plan2scene.metrics.substance_network import load_substance_network
 from plan2scene_app.tracing.segmenter import load_plan_segmenter
+from plan2scene_app.workflow.house_table import read_table
 
 SMALL = {"photos": [1, 1], "height": 32, "width": 32, "samples_per_pixel": 1, "tile_px": 32}
 TINY = {

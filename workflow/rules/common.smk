@@ -10,7 +10,7 @@ from pathlib import Path
 
 from snakemake.logging import logger
 
-from plan2scene.datasets.layout import find_layout
+from plan2scene_app.workflow.layout import find_layout
 from plan2scene.errors import InputError
 from plan2scene.images import SUFFIXES
 from plan2scene.photos.labels.imagenet import imagenet_installed

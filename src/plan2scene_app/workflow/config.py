@@ -8,11 +8,11 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from plan2scene.datasets.house_table import HouseTable, read_table, table_of_lists
-from plan2scene.datasets.layout import Layout, find_layout
 from plan2scene.errors import InputError
 from plan2scene.provenance import WORKFLOW
 from plan2scene.textures.methods import texture_methods
+from plan2scene_app.workflow.house_table import HouseTable, read_table, table_of_lists
+from plan2scene_app.workflow.layout import Layout, find_layout
 
 MAX_VALUES = 10_000  #: Most values of a configuration; an alias counts at each use
 

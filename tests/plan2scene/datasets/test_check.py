@@ -9,7 +9,6 @@ from plan2scene.datasets.assignments import (
     read_assignment,
     rooms_of_photos,
 )
-from plan2scene.datasets.house_table import TableRow, read_table, table_of_lists
 from plan2scene.datasets.import_plan import import_plan
 from plan2scene.errors import InputError
 from plan2scene.house import House, Room
@@ -18,6 +17,7 @@ from plan2scene.plans.geometry import walls_of_rooms
 from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene_app.check import check_dataset
 from plan2scene_app.workflow.drops import read_unobserved
+from plan2scene_app.workflow.house_table import TableRow, read_table, table_of_lists
 
 HEADER = "house\tsplit\tplan\tassignment\tphotos\n"
 

@@ -6,9 +6,7 @@ import pandas as pd
 import pytest
 from rent3dpp_copy import drawn_icons, write_rent3dpp_copy
 
-from plan2scene.datasets.house_table import table_of_lists
 from plan2scene.datasets.import_plan import add_object_boxes, import_plan, read_object_boxes
-from plan2scene.datasets.layout import find_layout
 from plan2scene.errors import InputError
 from plan2scene.images import png_bytes, write_png
 from plan2scene.io import write_json, write_parquet
@@ -16,6 +14,8 @@ from plan2scene.plans.formats import read_plan
 from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene_app.check import check_dataset
 from plan2scene_app.workflow.config import chosen_crops, table_of
+from plan2scene_app.workflow.house_table import table_of_lists
+from plan2scene_app.workflow.layout import find_layout
 from plan2scene_workshop.homes.floorplans import generate_house
 from plan2scene_workshop.homes.residences import write_dataset_index
 

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plan2scene.datasets.house_table import read_table
 from plan2scene.images import read_image
 from plan2scene.io import read_json
 from plan2scene.photos.labels.palette import read_label_png
@@ -15,6 +14,7 @@ from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.plans.validate import validate_house
 from plan2scene.seeds import generator
 from plan2scene_app.workflow.drops import read_unobserved
+from plan2scene_app.workflow.house_table import read_table
 from plan2scene_workshop.homes import residences
 from plan2scene_workshop.homes.style import assign_materials
 from plan2scene_workshop.rendering import RenderedPhoto

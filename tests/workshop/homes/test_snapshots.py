@@ -6,10 +6,10 @@ import cv2
 import numpy as np
 import pytest
 
-from plan2scene.datasets.house_table import read_table
 from plan2scene.images import read_image
 from plan2scene.io import read_json
 from plan2scene.photos.labels.palette import read_label_png
+from plan2scene_app.workflow.house_table import read_table
 from plan2scene_workshop.homes import snapshots
 from plan2scene_workshop.homes.residences import write_dataset_index
 from plan2scene_workshop.homes.style import assign_materials

@@ -15,7 +15,6 @@ import cv2
 import numpy as np
 
 from plan2scene.datasets.assignments import read_rows
-from plan2scene.datasets.house_table import COLUMNS, SPLITS, table_of_lists
 from plan2scene.house import House, SurfaceKey
 from plan2scene.images import write_png
 from plan2scene.io import atomic_directory, atomic_path, write_json
@@ -24,6 +23,7 @@ from plan2scene.photos.labels.palette import write_label_png
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene.seeds import derive_seed, generator
+from plan2scene_app.workflow.house_table import COLUMNS, SPLITS, table_of_lists
 from plan2scene_workshop.homes.floorplans import generate_house
 from plan2scene_workshop.homes.style import accent_walls, assign_materials
 from plan2scene_workshop.rendering import RenderedPhoto, encode_jpeg, plan_views, render_house

@@ -11,7 +11,6 @@ import numpy as np
 import torch
 
 from plan2scene.datasets.assignments import read_assignment
-from plan2scene.datasets.house_table import read_table
 from plan2scene.images import read_image
 from plan2scene.photos.labels.kinds import RoomKinds, kind_features
 from plan2scene.photos.labels.palette import KINDS
@@ -19,6 +18,7 @@ from plan2scene.photos.labels.segmentation import Segmenter, load_segmenter
 from plan2scene.photos.locate.which_room import KIND_OF
 from plan2scene.plans.scene_json import read_scene_json
 from plan2scene.weights import save_model_file
+from plan2scene_app.workflow.house_table import read_table
 from plan2scene_workshop.training.card import Card, table, write_card
 from plan2scene_workshop.training.loop import Trained
 

@@ -1,8 +1,8 @@
 import pytest
 
-from plan2scene.datasets.house_table import TableRow, read_table
 from plan2scene.errors import InputError
 from plan2scene_app.workflow.config import check_checkpoints
+from plan2scene_app.workflow.house_table import TableRow, read_table
 from plan2scene_app.workflow.planning import photo_paths
 
 HEADER = "house\tsplit\tplan\tassignment\tphotos\n"

@@ -15,10 +15,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from plan2scene.datasets.assignments import read_rows
-from plan2scene.datasets.layout import Layout, require_data_set
 from plan2scene.errors import InputError
 from plan2scene.house import MAX_ID_LENGTH
 from plan2scene.io import read_text, safe_join
+from plan2scene_app.workflow.layout import Layout, require_data_set
 
 COLUMNS = ("house", "split", "plan", "assignment", "photos")
 SPLITS = ("train", "val", "test")
@@ -118,8 +118,8 @@ def _check_row(row: TableRow, others: Collection[str], path: Path) -> None:
 def table_of_lists(root: str | Path, *, architecture: str = "bare") -> HouseTable:
     """Return the house table of a data set in the Rent3D++ layout, made from its data lists.
 
-    `root` is as for :func:`~plan2scene.datasets.layout.find_layout`. `architecture`, ``bare`` or
-    ``full``, says which plan is taken if a house has both.
+    `root` is as for :func:`.layout.find_layout`. `architecture`, ``bare`` or ``full``, says which
+    plan is taken if a house has both.
 
     Raises InputError for no data lists, no houses in them, or a house in two of them. A missing
     plan or a bad photo table is only a warning here; the house's own jobs report it.
