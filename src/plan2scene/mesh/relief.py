@@ -15,6 +15,7 @@ from typing import Literal
 import cv2
 import numpy as np
 
+from plan2scene.colour import LUMINANCE
 from plan2scene.images import image_from_bytes, jpeg_bytes
 from plan2scene.mesh.parts import MeshPart
 from plan2scene.mesh.texture_files import TileTexture
@@ -57,7 +58,7 @@ def normal_map(tile: TileTexture) -> bytes | None:
     size = [max(4, round(side * scale)) for side in image.shape[1::-1]]
     small = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
     mode: _Border = "reflect" if tile.jpeg else "wrap"
-    luma = small @ np.array([0.2126, 0.7152, 0.0722]) / 255.0
+    luma = small @ LUMINANCE / 255.0
     fine = _fine(luma, size[0] / tile.sides_m[0], mode)
     contrast = float(fine.std())
     if contrast < SETTINGS.least_contrast:

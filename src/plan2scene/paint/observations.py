@@ -7,7 +7,7 @@ divided into equal shares; each share gives its mean colour. Colours are linear 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -106,16 +106,14 @@ def equal_shares(linear: np.ndarray, weights: np.ndarray) -> np.ndarray:
     return colours.astype(np.float32)
 
 
-def usual_colour(shares: Iterable[np.ndarray], weights: Iterable[float]) -> np.ndarray:
+def usual_colour(shares: Sequence[np.ndarray], weights: Sequence[float]) -> np.ndarray:
     """Return the mean (3,) of the `ALIKE` share of colours whose luminance is most alike.
 
     The shortest half (Rousseeuw 1984, DOI 10.1080/01621459.1984.10477105) of log luminance: shadows
     on one side, glare and lamps on the other do not move it. `shares` are, of each observation, the
     linear RGB (m, 3) of equal shares of its pixels.
     """
-    colours = np.concatenate(list(map(np.asarray, shares)))
-    each = [np.full(len(s), w / len(s)) for s, w in zip(shares, weights, strict=True)]
-    weight = np.concatenate(each)
+    colours, weight = _weighed(shares, weights)
     log = np.log(colours @ LUMINANCE + 0.01)
     order = np.argsort(log, kind="stable")
     log, colours, weight = log[order], colours[order], weight[order]
@@ -128,24 +126,28 @@ def usual_colour(shares: Iterable[np.ndarray], weights: Iterable[float]) -> np.n
     return np.average(colours[shortest_part], axis=0, weights=weight[shortest_part])
 
 
-def matte_colour(shares: Iterable[np.ndarray], weights: Iterable[float]) -> np.ndarray:
+def matte_colour(shares: Sequence[np.ndarray], weights: Sequence[float]) -> np.ndarray:
     """Return :func:`usual_colour` (3,) with the hue of the darker half of the pixels.
 
     Glare adds the hue of the light to bright pixels (dichromatic reflection: Shafer 1985, DOI
     10.1002/col.5080100409). The `DARKEST` share is left out: it lies in the shadow of furniture and
     takes its colour.
     """
-    shares, weights = list(shares), list(weights)
     usual = usual_colour(shares, weights)
-    colours = np.concatenate(shares)
-    weight = np.concatenate(
-        [np.full(len(s), w / len(s)) for s, w in zip(shares, weights, strict=True)]
-    )
+    colours, weight = _weighed(shares, weights)
     order = np.argsort(colours @ LUMINANCE, kind="stable")
     ends = np.cumsum(weight[order]) / weight.sum()
     dark = order[(ends > DARKEST) & (ends <= 0.5)]
     hue = np.average(colours[dark], axis=0, weights=weight[dark])
     return np.asarray(hue * (usual @ LUMINANCE) / max(hue @ LUMINANCE, 1e-12))
+
+
+def _weighed(
+    shares: Sequence[np.ndarray], weights: Sequence[float]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return all colours (n, 3), and their weights (n,): those of one observation share its own."""
+    each = [np.full(len(s), w / len(s)) for s, w in zip(shares, weights, strict=True)]
+    return np.concatenate(shares), np.concatenate(each)
 
 
 def write_colours(

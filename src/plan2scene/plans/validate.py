@@ -14,6 +14,8 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 from shapely.geometry import Point
 from shapely.strtree import STRtree
 from shapely.validation import explain_validity
@@ -145,20 +147,12 @@ def _holes(house: House) -> Iterator[_Line]:
 def _islands(house: House) -> Iterator[_Line]:
     """Yield a warning of rooms that stand apart from the first room's group."""
     polygons = [room_polygon(room) for room in house.rooms]
-    pairs = STRtree(polygons).query(polygons, predicate="dwithin", distance=APART)
-    neighbours: dict[int, list[int]] = defaultdict(list)
-    for i, j in zip(*pairs.tolist(), strict=True):
-        neighbours[i].append(j)
-    reached, queue = {0}, [0]
-    while queue:
-        for j in neighbours[queue.pop()]:
-            if j not in reached:
-                reached.add(j)
-                queue.append(j)
-    others = [i for i in range(len(polygons)) if i not in reached]
-    if others:
-        group = [polygons[i] for i in sorted(reached)]
-        far = min((polygon.distance(polygons[others[0]]) for polygon in group), default=math.inf)
+    near = STRtree(polygons).query(polygons, predicate="dwithin", distance=APART)
+    shape = (len(polygons), len(polygons))
+    _, group = connected_components(coo_array((np.ones(len(near[0])), near), shape))
+    first, others = np.flatnonzero(group == group[0]), np.flatnonzero(group != group[0])
+    if len(others):
+        far = min(polygons[others[0]].distance(polygons[k]) for k in first)
         found = f"{len(others)} apart from the others, the first by {far:.1f} m"
         yield f"rooms within {APART:g} m of each other", found, house.rooms[others[0]].id
 

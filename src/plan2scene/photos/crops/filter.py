@@ -16,6 +16,7 @@ import numpy as np
 
 from plan2scene.colour import (
     CLIPPED_LEVELS,
+    LUMINANCE,
     clipped_share,
     linear_to_srgb,
     median_colour,
@@ -243,10 +244,7 @@ def step_of(image: np.ndarray) -> Reason | None:
     """Return `SHADOW` or `CLUTTER` if one step of luminance divides a crop, else None."""
     small = cv2.resize(image, (64, 64), interpolation=cv2.INTER_AREA)
     smooth = cv2.GaussianBlur(small, (0, 0), 2.0)
-    fine, log = (
-        np.log(np.maximum(srgb_to_linear(i) @ np.array([0.2126, 0.7152, 0.0722]), 1e-3))
-        for i in (small, smooth)
-    )
+    fine, log = (np.log(np.maximum(srgb_to_linear(i) @ LUMINANCE, 1e-3)) for i in (small, smooth))
     rest = log - smooth_field(log)
     if np.percentile(rest, 97) - np.percentile(rest, 3) < FILTER.shadow_step:
         return None
