@@ -19,7 +19,7 @@ MAX_ROWS = 10_000  #: Largest number of rows of one house's photo table
 class PhotoAssignment(NamedTuple):
     """A row of a photo table: a room and a photo that shows it; a photo may show several rooms."""
 
-    #: Empty if the table gives no room: the locate stage then looks for it.
+    #: Empty if the table gives no room: the places stage then looks for it.
     room_id: str
     photo: str
 
@@ -35,7 +35,7 @@ def read_assignment(
     """Return the rows of a photo table in file order, repeated rows once.
 
     `path` is a CSV with the columns ``room_id`` (or ``roomId``) and ``photo``; others are ignored.
-    A room may be empty, or its whole column missing: the locate stage looks for such rooms. A room
+    A room may be empty, or its whole column missing: the places stage looks for such rooms. A room
     that equals the column ``guess`` counts as empty, too (``photos.csv`` of a run). None, an empty
     file or a table without rows give no rows; :func:`check_assignment` warns of that. With a
     `house` each room must be one of its rooms, by id or by name; without it, `house_id` names the

@@ -96,10 +96,10 @@ def import_plan(
     `assignment` is the house's photo table: its rooms and photo names are checked here, so that
     a wrong table stops the house before any photo is processed. There is a warning for an empty
     table, for "" (the house has none), and for photos missing in `photos_dir`; None skips the
-    check. `traced` is passed to :func:`.assignments.read_assignment`.
-    `name` is what people call the house, if its plan does not say.
-    A drawing without windows gets usual ones (:mod:`plan2scene.plans.usual_windows`).
-    The boxes in file `object_boxes` become the house's icons; a faulty file is only a warning.
+    check. `traced` is passed to :func:`.assignments.read_assignment`. `name` is what people call
+    the house, if its plan does not say. A drawing without windows gets usual ones
+    (:mod:`plan2scene.plans.usual_windows`). The boxes in file `object_boxes` become the house's
+    icons; a faulty file is only a warning.
     """
     house = read_plan(path, house_id, metres_per_pixel, dxf_layers)
     house = replace(house, name=house.name or name)

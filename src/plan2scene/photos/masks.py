@@ -75,8 +75,7 @@ def make_masks(
     warning, too. `label` makes the labeller; it is not called for a house without photos.
     `out_dir` is replaced as a whole: ``{stem}.png`` labels at the size that `read_photo` gives,
     ``probabilities/{stem}.png`` and ``amodal/{stem}.png`` where the source of labels gives them,
-    ``cameras.json``,
-    ``segments.parquet``, ``kinds.json``, ``turns.json``, ``spots.json``,
+    ``cameras.json``, ``segments.parquet``, ``kinds.json``, ``turns.json``, ``spots.json``,
     ``likeness.json``, ``warnings.json`` (``docs/conventions.md``).
 
     `fov_deg` is the horizontal field of view in degrees that a photo gets when neither its EXIF

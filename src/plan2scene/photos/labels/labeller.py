@@ -95,11 +95,11 @@ def labeller(
     ``embedded`` needs the safetensors file `model`. `kinds` is the file of the classifier of rooms,
     which reads the maps of that network, `amodal` that of the network of amodal labels.
     ``imagenet`` also needs the file `imagenet` of a network that is averaged with those of `model`
-    (extra ``rooms``). ``precomputed`` needs the folder of
-    ``{stem}.png``; ``pretrained`` the fields of `pretrained.Checkpoint`. With `things` (for any
-    source) the things in a room also show its use (extra ``rooms``). With `openings` doors are
-    labelled 4 and windows 5 if the source labels them; else they are other. `threads` is the
-    number of threads of a network; torch chooses it by default.
+    (extra ``rooms``). ``precomputed`` needs the folder of ``{stem}.png``; ``pretrained`` the fields
+    of `pretrained.Checkpoint`. With `things` (for any source) the things in a room also show its
+    use (extra ``rooms``). With `openings` doors are labelled 4 and windows 5 if the source labels
+    them; else they are other. `threads` is the number of threads of a network; torch chooses it by
+    default.
 
     Raises InputError when the source is unknown or something that it needs is missing.
     """

@@ -26,12 +26,12 @@ OTHER, FLOOR, WALL, CEILING, DOOR, WINDOW = range(6)
 #: Label names by value in files that also label openings.
 LABELS_AND_OPENINGS = (*LABELS, "door", "window")
 IGNORE = 255
+#: Uses that a photographed room may have.
+KINDS = ("Reception", "Bedroom", "Kitchen", "Bathroom", "Corridor", "Closet")
 #: Files of a masks folder: probabilities of `KINDS` for each photo; pairs of photos that see the
-#: same things; pairs of photos from one spot; likeness of pairs of photos. `KINDS` are the uses
-#: that a photographed room may have.
+#: same things; pairs of photos from one spot; likeness of pairs of photos.
 KINDS_FILE, TURNS_FILE, SPOTS_FILE = "kinds.json", "turns.json", "spots.json"
 LIKENESS_FILE = "likeness.json"
-KINDS = ("Reception", "Bedroom", "Kitchen", "Bathroom", "Corridor", "Closet")
 #: Folders in a masks folder with the probability of each label: of what a photo shows, and of what
 #: it would show without furniture (amodal).
 PROBABILITIES, AMODAL = "probabilities", "amodal"
