@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Hashable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 class HouseFiles:
     """Files of one house that do not depend on the drop (share of hidden photos), and shared files.
 
-    `library` holds the tiles of Retrieve, `crop_pool` crops of other houses, `colours` the colours
-    of all surfaces in the photos, `patterns` floors and walls in bands; None where there is none.
+    `library` holds the tiles of Retrieve, `crop_pool` crops of other houses, `patterns` floors and
+    walls in bands; None where there is none.
     """
 
     house_id: str
@@ -34,13 +34,12 @@ class HouseFiles:
     crops: Path
     library: Path | None = None
     crop_pool: Path | None = None
-    colours: Path | None = None
     patterns: Path | None = None
 
     @classmethod
     def of(cls, paths: Mapping[str, Any], house_id: str) -> HouseFiles:
         """Return the files from a job's inputs: scene, crops and, where given, the others."""
-        names = ("library", "pool", "colours", "patterns")
+        names = ("library", "pool", "patterns")
         others = (Path(paths[name]) if paths.get(name) else None for name in names)
         return cls(house_id, Path(paths["scene"]), Path(paths["crops"]), *others)
 
@@ -174,7 +173,3 @@ class TextureInputs:
     def house(self) -> House:
         """The plan."""
         return self.data.house
-
-    def only(self, keys: Container[SurfaceKey]) -> TextureInputs:
-        """Return the inputs of some surfaces alone."""
-        return replace(self, surfaces=tuple(s for s in self.surfaces if s.key in keys))

@@ -8,7 +8,7 @@ results are the same.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -46,6 +46,7 @@ class EvaluatedHouse:
     models: Models
     settings: TextureSettings
     predictor: str  #: of unobserved surfaces, a name of ``propagation.predictors.PREDICTORS``
+    colours: Path | None = None  #: the colours of all surfaces in the photos
 
     @classmethod
     def of(cls, paths: Mapping[str, Any], house_id: str, params: Any) -> EvaluatedHouse:
@@ -56,6 +57,7 @@ class EvaluatedHouse:
             Models(**{field.name: Path(params.models[field.name]) for field in fields(Models)}),
             TextureSettings(params.seed, params.size_px, params.seam_correction),
             params.predictor,
+            Path(paths["colours"]),
         )
 
     @property
@@ -82,7 +84,7 @@ class EvaluatedHouse:
             propagation_model=self.models.propagation,
             texture_model=self.models.texture,
             predictor=self.predictor,
-            colours=self.files.colours,
+            colours=self.colours,
             hidden_photos=hidden_photos,
         )
 
@@ -97,7 +99,9 @@ def measured_at(
     drop: str = "",
 ) -> list[pd.DataFrame]:
     """Return the metrics of several methods at one drop; tiles without a reference are not made."""
-    inputs = data.at(visible, house.models.decoders, house.settings).only(references)
+    inputs = data.at(visible, house.models.decoders, house.settings)
+    surfaces = tuple(surface for surface in inputs.surfaces if surface.key in references)
+    inputs = replace(inputs, surfaces=surfaces)
     observed = {surface.key for surface in inputs.surfaces if surface.observed}
     frames = []
     for method in methods:
