@@ -387,10 +387,8 @@ def metric_image(image: np.ndarray) -> np.ndarray:
 def medoid_index(images: Sequence[np.ndarray]) -> int:
     """Return the index of the image closest (L2) to the mean RGB image (paper, reference crop).
 
-    Images are (h, w, 3) uint8 of one size. The first of equally close ones; ValueError for none.
+    Images are (h, w, 3) uint8 of one size. Of equally close ones it is the first.
     """
-    if not len(images):
-        raise ValueError("the medoid of no images")
     stack = np.stack([image.astype(np.float64) for image in images])
     distance = ((stack - stack.mean(axis=0)) ** 2).reshape(len(stack), -1).sum(axis=1)
     return int(np.argmin(distance))

@@ -18,8 +18,8 @@ Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 #: In a worker process: the function that it calls, and all items.
-_function: Callable[[Any], Any] | None = None
-_items: Sequence[Any] = ()
+_function: Callable[[Any], Any]
+_items: Sequence[Any]
 
 
 def each(
@@ -81,6 +81,4 @@ def _end_with_parent() -> None:
 
 def _result(index: int) -> Any:
     """Return the result of an item, in a worker."""
-    if _function is None:
-        raise RuntimeError("no worker")
     return _function(_items[index])

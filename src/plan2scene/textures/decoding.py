@@ -147,8 +147,6 @@ def match_statistics(tile: np.ndarray, crop: np.ndarray, seed: int) -> np.ndarra
     Both are sRGB, at least 32 px. The tile is periodic; the crop's light should be even. `seed` is
     for the rotations of the colour space.
     """
-    if tile.shape != crop.shape or tile.shape[0] != tile.shape[1]:
-        raise ValueError(f"expected equal square shapes, found {tile.shape} and {crop.shape}")
     rng = np.random.default_rng(seed)
     target = crop.reshape(-1, 3).astype(np.float64)
     mean, axes = _principal_axes(target)

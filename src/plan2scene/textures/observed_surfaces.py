@@ -119,10 +119,8 @@ def best_crop(textureness: np.ndarray, clipped: np.ndarray) -> int:
     """Return the index of the least textureness score (n,), the first of equals; NaN is the worst.
 
     A burned-out crop is flat, so it scores well although it shows nothing. Crops whose share of
-    `clipped` pixels (n,) is above a quarter rank after all others. ValueError without any crop.
+    `clipped` pixels (n,) is above a quarter rank after all others.
     """
-    if not len(textureness):
-        raise ValueError("the best of no crops")
     scores = np.where(np.isnan(textureness), np.inf, textureness)
     order = np.lexsort((scores, clipped > _CLIPPED))
     return int(order[0])
