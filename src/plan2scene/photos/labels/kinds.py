@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-import cv2
 import numpy as np
 import torch
 from torch import nn
@@ -14,8 +13,8 @@ from plan2scene.photos.labels.palette import KINDS
 from plan2scene.photos.labels.segmentation import (
     Segmenter,
     brightened,
+    network_input,
     network_size,
-    to_tensor,
 )
 from plan2scene.weights import filled, load_model_file
 
@@ -32,8 +31,7 @@ def kind_features(segmenter: Segmenter, image: np.ndarray) -> np.ndarray:
     `image` is (h, w, 3) uint8 sRGB of any size.
     """
     size = network_size((image.shape[0], image.shape[1]), SIDE)
-    way = cv2.INTER_AREA if image.shape[1] > size[1] else cv2.INTER_LINEAR
-    photo = to_tensor(cv2.resize(brightened(image), size[::-1], interpolation=way))[None]
+    photo = network_input(brightened(image), size)
     parts = []
     for member in segmenter.members:
         encoded = member.encoded(photo)
@@ -72,7 +70,6 @@ def load_kinds(path: str | Path, segmenter: Segmenter) -> Callable[[np.ndarray],
     """
     state, architecture = load_model_file(path)
     network = filled(lambda: RoomKinds(**architecture), state, "the classifier of rooms", path)
-    network.eval()
 
     @torch.inference_mode()
     def probabilities(image: np.ndarray) -> np.ndarray:

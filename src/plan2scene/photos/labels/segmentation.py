@@ -14,6 +14,7 @@ from typing import cast
 import cv2
 import numpy as np
 import torch
+from scipy.special import softmax
 
 from plan2scene.camera import Camera
 from plan2scene.photos.labels.network import (
@@ -83,6 +84,12 @@ def network_size(size: tuple[int, int], long_side: int) -> tuple[int, int]:
 def to_tensor(image: np.ndarray) -> torch.Tensor:
     """Return a (h, w, 3) uint8 sRGB image as (3, h, w) float32 in [0, 1]."""
     return torch.from_numpy(np.ascontiguousarray(image.transpose(2, 0, 1))).float() / 255.0
+
+
+def network_input(image: np.ndarray, size: tuple[int, int]) -> torch.Tensor:
+    """Return a (h, w, 3) uint8 sRGB image scaled to `size` (h', w'), (1, 3, h', w') float32."""
+    way = cv2.INTER_AREA if image.shape[1] > size[1] else cv2.INTER_LINEAR
+    return to_tensor(cv2.resize(image, size[::-1], interpolation=way))[None]
 
 
 def upsampled_argmax(logits: np.ndarray, size: tuple[int, int]) -> np.ndarray:
@@ -196,10 +203,7 @@ def _logits_at(
 
     Every second network sees the photo mirrored, beginning with the first if `mirror_first`.
     """
-    shrinks = image.shape[1] > size[1]
-    way = cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR
-    photo = to_tensor(cv2.resize(image, size[::-1], interpolation=way))[None]
-    elevation = None
+    photo, elevation = network_input(image, size), None
     if camera is not None:
         photo_size = (camera.height, camera.width)
         rise = elevation_map(camera.matrix[:, 1], camera.focal_px, photo_size, size)
@@ -226,8 +230,7 @@ def labels_of(logits: np.ndarray, size: tuple[int, int], *, openings: bool = Fal
 
 def probabilities_of(logits: np.ndarray) -> np.ndarray:
     """Return the probabilities (labels, h', w') float32 of labels: the softmax of logits."""
-    powers = np.exp(logits - logits.max(axis=0))
-    return np.asarray(powers / powers.sum(axis=0), dtype=np.float32)
+    return np.asarray(softmax(logits, axis=0), dtype=np.float32)
 
 
 def surface_logits(logits: np.ndarray) -> np.ndarray:

@@ -226,13 +226,12 @@ def _turned(whole: FoundPattern, own: FoundPattern) -> FoundPattern:
 
 def _row(room: str, pattern: FoundPattern, units: Units, like: str) -> dict[str, Any]:
     """Return the row of patterns.parquet for a room's floor."""
-    numbers = ["width_m", "width_spread", "length_m", "direction_deg", "offset", "slant_deg"]
-    numbers.append("confidence")
+    sizes = ("width_m", "width_spread", "length_m", "direction_deg", "offset", "slant_deg")
     return {
         "room_id": room,
         "surface": "floor",
         "kind": pattern.kind,
-        **{name: round(getattr(pattern, name), 4) for name in numbers},
+        **{name: round(getattr(pattern, name), 4) for name in (*sizes, "confidence")},
         "joint": [round(float(value), 4) for value in units.joint],
         "joint_m": round(units.joint_m, 5),
         "photos": "|".join(pattern.photos),
