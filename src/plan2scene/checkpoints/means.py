@@ -37,9 +37,8 @@ def training_surfaces(
 def training_means(houses: Iterable[tuple[House, pd.DataFrame]]) -> TypeMeans:
     """Return the mean embeddings by room and surface type over the observed surfaces of houses.
 
-    Raises InputError where no house has an observed surface.
-
-    `houses` are plans and their tables of :func:`training_surfaces`.
+    `houses` are plans and their tables of :func:`training_surfaces`. Raises InputError where no
+    house has an observed surface.
     """
     types, surfaces, embeddings, naive = [], [], [], []
     for house, table in houses:

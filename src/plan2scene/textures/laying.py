@@ -36,7 +36,7 @@ class LayingSettings:
     upright_deg: float = 6.0  #: a floor is laid along a plan axis if its angle to it is no larger
     sight_m: float = 3.0  #: distance up to which equal units are kept apart
     drawn: float = 0.25  #: share of the units, those used farthest away, of which one is drawn
-    #: weight of the log ratio of a tile's side to the side asked for, over that of stretched units
+    #: weight of a tile's side that is not the one asked for (log ratio); stretched units weigh 1
     other_size: float = 0.5
     run: float = 0.4  #: least share that is laid of a run of planks without a known length
 

@@ -37,8 +37,9 @@ class QuiltSettings:
     gain: float = 0.02  #: least area that a patch fills, over its own or the empty (smaller) area
     strip: int = 4  #: width of an overlap, px, in the shrunk patches of a map that are compared
     sweeps: int = 2  #: times that every patch of a map is chosen anew, with all neighbours known
-    #: worn, beside: Costs of a place in the photos, in fair joints (:func:`_fair`): if it is used
-    #: as often as places are on average, and if it is used already within `near` patches.
+    #: worn, beside: Costs of a place in the photos, as multiples of the cost of a fair joint
+    #: (:func:`_fair`): if the map uses it as often as places are used on average, and if a patch
+    #: at most `near` patches away shows it already.
     worn: float = 2.0
     beside: float = 4.0
     near: int = 3

@@ -39,8 +39,8 @@ def estimate_camera(
 
     The focal length is that of `exif`, else of vanishing points, else of `fov_deg`. Vanishing
     points of high confidence replace EXIF data that differ by more than `CAMERA.exif_tolerance`,
-    but not a focal length that the user has `told`.
-    The EXIF data of a cropped photo only replace `fov_deg`.
+    but not a focal length that the user has `told`. The EXIF data of a cropped photo only replace
+    `fov_deg`.
     """
     height, width = image.shape[:2]
     lines = find_segments(image) if segments is None else segments

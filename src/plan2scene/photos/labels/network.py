@@ -134,11 +134,13 @@ class SegmentationNet(nn.Module):
     to 32; `decoder` the decoder's channels at strides 16 and 8 (half of it at 4, a quarter at 2);
     `attention` the number of attention blocks at stride 32, and in the decoder at 16. With
     `elevation` the network also takes each pixel's elevation above the horizon, where known.
-    `labels` is 4 (other, floor, wall, ceiling) or 6 (door and window as well). The other three are
-    constants for `segmentation.Segmenter`. It scales photos relative to `long_side` pixels. It adds
-    `logit_adjustment` to the logits, because photos have other shares of the labels than the
-    renderings of the training (Menon et al. 2021, arXiv 2007.07314); for door and window only if
-    they are asked for. It divides the logits by `temperature`, to calibrate the probabilities.
+    `labels` is 4 (other, floor, wall, ceiling) or 6 (door and window as well).
+
+    Three are only kept here for `segmentation.Segmenter`. It scales photos relative to `long_side`
+    pixels. It adds `logit_adjustment` to the logits, because photos have other shares of the labels
+    than the renderings of the training (Menon et al. 2021, arXiv 2007.07314); for door and window
+    only if they are asked for. It divides the logits by `temperature`, to calibrate the
+    probabilities.
     """
 
     def __init__(

@@ -6,8 +6,8 @@ unobserved surface, or one whose crops all differ from the colour of its pixels,
 surface's exemplar in its own colour: the one that its prediction copies, else the nearest embedding
 among those of the same kind of surface and substance. Paint has any colour, but a floor of another
 colour is of another material: if an unobserved surface finds none, a procedural tile of the
-predicted substance is made. A floor that is predicted to be tiled takes no
-exemplar of a floor whose photos show no joints, except a copied one. An embedding is decoded if the
+predicted substance is made. A floor that is predicted to be tiled takes an exemplar of a floor
+whose photos show no joints only if its prediction copies that floor. An embedding is decoded if the
 surface's crops are all too poor, or all of another colour in a house without an exemplar of the
 kind. Each tile's source says how it was made.
 """

@@ -25,8 +25,8 @@ def oddness(luma: np.ndarray, masks: np.ndarray) -> np.ndarray:
 def things(luma: np.ndarray, masks: np.ndarray) -> np.ndarray:
     """Return the pixels of objects (n, s, s) bool on crops that are plain without them.
 
-    Objects are few and small. What is long, or repeats many times, is the pattern.
-    Parameters as in :func:`oddness`.
+    Objects are few and small. What is long, or repeats many times, is the pattern. Parameters as in
+    :func:`oddness`.
     """
     pixels = np.stack([_things(*pair) for pair in zip(luma, masks, strict=True)])
     return np.asarray(pixels & ~masks)
