@@ -31,6 +31,7 @@ from plan2scene_app.workflow.config import (
     table_of,
 )
 from plan2scene_app.workflow.drops import hidden_photos, read_unobserved
+from plan2scene_app.workflow.failures import failures
 from plan2scene_app.workflow.planning import (
     lacks_rooms,
     may_lack_heights,

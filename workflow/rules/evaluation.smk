@@ -202,6 +202,8 @@ use rule paper_table as partial_table with:
 
 
 onerror:
+    for line in failures(Path("logs", DATASET), HOUSES):
+        print(line, file=sys.stderr)
     if finished_houses():
         print(
             "A table of the finished houses: the same command with target partial_table",
