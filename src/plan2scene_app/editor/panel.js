@@ -152,7 +152,7 @@ function problemSection(app) {
   const labels = labelsOf(app.store.state.plan.rooms);
   const lines = app.problems.map((problem) => el("li", { className: problem.level },
     button([el("b", {}, `${labels.get(problem.room) || problem.room || problem.opening || problem.photo || "Plan"}: `), inWords(app, `expected ${problem.expected}, found ${problem.found}`)], () => app.showProblem(problem), { className: "line" })));
-  const drop = (line) => { app.notes = app.notes.filter((other) => other !== line); app.renderPanel(); };
+  const drop = (line) => { app.notes = app.notes.filter((other) => other !== line); app.host.changed?.(app); app.renderPanel(); };
   const told = app.store.state.picture?.measured ? app.doubt : ""; // two points have settled the scale
   for (const line of app.notes.filter((note) => note !== told)) lines.push(el("li", { className: "note" }, el("p", { className: "line" }, linked(app, line), button("\u00d7", () => drop(line), { title: "Seen", "aria-label": `Seen: ${line}` }))));
   const text = lines.length ? "Problems" : "No problems";

@@ -75,7 +75,7 @@ class Project:
         return digest.hexdigest()[:20]
 
     def state(self) -> dict[str, Any]:
-        """Return ``{plan, photos, place, revision}`` in the form of the editor."""
+        """Return ``{plan, photos, place, notes, revision}`` in the form of the editor."""
         revision = self.revision()
         extra = self._extra()
         rooms: dict[str, list[str]] = {name: [] for name in extra.get("photos", [])}
@@ -91,7 +91,14 @@ class Project:
             raise InputError("a plan", "other JSON", file=self.path / PLAN)
         photos = [{"name": name, "rooms": list(dict.fromkeys(r))} for name, r in rooms.items()]
         place = extra.get("place") if (self.path / PICTURE).is_file() else None
-        return {"plan": plan, "photos": photos, "place": place, "revision": revision}
+        notes = _notes(extra.get("notes", []))
+        return {
+            "plan": plan,
+            "photos": photos,
+            "place": place,
+            "notes": notes,
+            "revision": revision,
+        }
 
     def save(self, state: Mapping[str, Any]) -> str:
         """Write the editor's state; return the new revision.
@@ -106,6 +113,7 @@ class Project:
         if state.get("revision") != self.revision():
             raise Conflict
         extra = self._extra() | {"photos": list(rows), "place": _place(place)}
+        extra["notes"] = _notes(state.get("notes", []))
         buffer = io.StringIO()
         writer = csv.writer(buffer, lineterminator="\n")
         writer.writerow(["room_id", "photo"])
@@ -174,6 +182,13 @@ class Project:
         names = extra.get("photos", []) if isinstance(extra, dict) else None
         whole = isinstance(names, list) and all(isinstance(name, str) for name in names)
         return extra if whole else {}
+
+
+def _notes(notes: Any) -> list[str]:
+    """Return the doubts of the plan's reading that the user has not dismissed, checked."""
+    if not isinstance(notes, list) or not all(isinstance(note, str) for note in notes):
+        raise InputError("notes that are texts", "others")
+    return [note[:2000] for note in notes[:500]]
 
 
 class Projects:

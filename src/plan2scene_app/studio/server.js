@@ -28,7 +28,7 @@ export function editorState(found, rules) {
 }
 
 export class Server {
-  #timer = 0; #kept = null; #saving = false;
+  #timer = 0; #kept = null; #notes = null; #saving = false;
 
   constructor(revision, source) { Object.assign(this, { revision, source }); }
 
@@ -37,23 +37,26 @@ export class Server {
     this.app = app;
     const { state } = app.store;
     this.#kept ??= state;
-    if (state === this.#kept) return;
+    this.#notes ??= app.notes;
+    if (!this.#unsaved) return;
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => this.flush(), DELAY);
   }
-  get pending() { return this.#saving || this.app.store.state !== this.#kept; }
+  get #unsaved() { return this.app.store.state !== this.#kept || this.app.notes !== this.#notes; }
+  get pending() { return this.#saving || this.#unsaved; }
 
   /** Save unsaved changes; resolves when they are saved. */
   async flush() {
     clearTimeout(this.#timer);
     if (this.#saving) { this.#timer = setTimeout(() => this.flush(), DELAY); return; }
-    const { store } = this.app, { state } = store;
-    if (state === this.#kept) return;
+    if (!this.#unsaved) return;
+    const { store, notes } = this.app, { state } = store;
     this.#saving = true;
     try {
-      const body = JSON.stringify({ plan: state.plan, photos: state.photos, place: state.picture, revision: this.revision });
+      const body = JSON.stringify({ plan: state.plan, photos: state.photos, place: state.picture, notes, revision: this.revision });
       ({ revision: this.revision } = await asked("state", { method: "PUT", body }));
       this.#kept = state;
+      this.#notes = notes;
       store.markSaved(state);
       this.app.page.saved.textContent = store.unsaved ? "not saved" : "saved";
     } catch (error) {
@@ -77,6 +80,7 @@ export class Server {
     for (const { name } of found.photos) if (!app.thumbs.has(name)) app.thumbs.set(name, photoUrl(name));
     const state = editorState(found, app.rules);
     this.#kept = state;
+    this.#notes = app.notes = found.notes;
     app.store.open(state);
     this.#kept = app.store.state;
     clearTimeout(this.#timer);

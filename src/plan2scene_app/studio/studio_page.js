@@ -7,7 +7,7 @@ import { startEditor } from "./start.js";
 const parsed = (id) => JSON.parse(document.getElementById(id).textContent);
 const found = parsed("start"), host = new Server(found.revision, found.source);
 const state = editorState(found, parsed("rules"));
-const app = startEditor({ house: found.house, plan: state.plan, photos: state.photos }, host);
+const app = startEditor({ house: found.house, plan: state.plan, photos: state.photos, notes: found.notes }, host);
 for (const { name } of found.photos) app.thumbs.set(name, photoUrl(name));
 if (found.place) {
   const image = new Image();

@@ -333,6 +333,12 @@ def test_a_brochure_gives_its_plan_and_its_photos(drawing, studio, tmp_path):
     assert page.evaluate("editor.picture !== null")
     assert drawing.photos == [{"name": "page02_1.jpg", "rooms": []}]
     assert Image.open(home / "photos" / "page02_1.jpg").size == (600, 400)
+    page.evaluate("editor.notes = ['a doubt', 'another']; editor.changed()")
+    page.get_by_role("button", name="Seen: another").click()
+    page.wait_for_function("() => !house.host.pending")
+    page.reload()
+    page.get_by_role("button", name="Seen: a doubt").wait_for()
+    assert page.evaluate("editor.notes") == ["a doubt"]
 
 
 def test_two_points_on_a_picture_are_kept_as_its_scale(drawing, studio, tmp_path):

@@ -36,13 +36,13 @@ def test_what_is_saved_is_what_run_reads(project, tmp_path):
     project.add_photo("a.png", photo(tmp_path))
     photos = [{"name": "a.png", "rooms": ["hall", "living"]}, {"name": "b.png", "rooms": []}]
     place = {"x": 1, "z": 2, "metres_per_pixel": 0.01, "opacity": 0.5, "visible": True}
-    revision = project.save(state(project, photos=photos, place=place))
+    revision = project.save(state(project, photos=photos, place=place, notes=["a doubt"]))
     house = read_plan(project.path / "plan.json", "home")
     rows = read_assignment(project.path / "photos.csv", house)
     # The run looks for the room of a photo that has none.
     assert {tuple(row) for row in rows} == {("hall", "a.png"), ("living", "a.png"), ("", "b.png")}
     again = project.state()
-    assert again["revision"] == revision
+    assert again["revision"] == revision and again["notes"] == ["a doubt"]
     assert sorted(again["photos"], key=lambda p: p["name"]) == photos
     assert again["place"] is None  # there is no picture
     (project.path / "plan_picture.png").write_bytes(photo(tmp_path))
@@ -93,6 +93,7 @@ def test_photos_are_checked_and_kept(project, tmp_path):
         {"photos": [{"name": "../x.png", "rooms": []}]},
         {"photos": [{"name": "x.png"}]},
         {"place": {"x": "left"}},
+        {"notes": "all"},
     ],
 )
 def test_only_what_the_editor_holds_is_saved(project, changes):
