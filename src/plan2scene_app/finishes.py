@@ -2,7 +2,8 @@
 
 They are read from ``{plan}.finishes.csv`` beside the plan, with the columns room, surface, what:
 
-- room: the id of a room, or ``*`` for all rooms; for a door, the id of its opening.
+- room: the id or name of a room, or ``*`` for all rooms; for a door, the id of its opening. A name
+  of several rooms stands for all of them.
 - surface: floor, wall, ceiling, ``wall.{id}`` for one accent wall, door, or trim (skirting, frames
   of doors and windows, linings). Doors and trim may only be white or of one colour.
 - what: ``white``; a colour such as ``#c8a472``; a name in :data:`LIBRARY`; ``same:{room}`` for
@@ -18,7 +19,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from plan2scene.errors import InputError
-from plan2scene.house import SurfaceKey
+from plan2scene.house import House, SurfaceKey
 from plan2scene.io import read_csv
 
 #: Prefix of the `source` of a texture that is set by hand.
@@ -55,8 +56,11 @@ def finishes_file(plan: str | Path) -> Path:
     return Path(plan).with_name(f"{Path(plan).name.split('.')[0]}.finishes.csv")
 
 
-def read_finishes(path: str | Path) -> dict[SurfaceKey, str]:
-    """Return the finishes by room and surface; InputError for a row that is not valid."""
+def read_finishes(path: str | Path, house: House | None = None) -> dict[SurfaceKey, str]:
+    """Return the finishes by room and surface; InputError for a row that is not valid.
+
+    With the `house`, rooms are found by their names, too.
+    """
     if Path(path).stat().st_size > _MOST:
         raise InputError(f"at most {_MOST} bytes", "more", file=path)
     rows = [row for row in read_csv(path) if any(row)]
@@ -69,7 +73,9 @@ def read_finishes(path: str | Path) -> dict[SurfaceKey, str]:
             raise InputError(f"{len(COLUMNS)} cells in each row", str(row), file=path)
         room, surface, what = row
         check_finish(room, surface, what, file=path)
-        finishes[SurfaceKey(room, surface)] = what
+        called = house.rooms_called(room) if house is not None else []
+        for name in [found.id for found in called] or [room]:
+            finishes[SurfaceKey(name, surface)] = what
     return finishes
 
 

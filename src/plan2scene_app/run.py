@@ -122,10 +122,14 @@ def read_input(request: SingleHouse) -> list[str]:
         if request.metres_per_pixel:
             found = f"--metres-per-pixel {request.metres_per_pixel:g}"
             raise InputError("pictures of single storeys without a scale", found, file=request.plan)
+        read: list[Path] = []
         for path in plan_files(request):
             if not PlanFile(path, request.house).is_picture:
                 raise InputError("a picture of each storey", "a plan of another format", file=path)
             read_plan_picture(path)
+            if any(filecmp.cmp(path, other, shallow=False) for other in read):
+                raise InputError("another picture for each storey", "the same twice", file=path)
+            read.append(path)
     elif is_picture(request):
         read_plan_picture(request.plan)
     else:

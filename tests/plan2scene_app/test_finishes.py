@@ -1,14 +1,17 @@
 import filecmp
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 import pytest
+from places import PLAN
 
 from plan2scene.colour import median_colour
 from plan2scene.errors import InputError
 from plan2scene.house import SurfaceKey
 from plan2scene.images import jpeg_bytes, png_bytes, read_image, write_png
 from plan2scene.io import read_json, write_json, write_parquet
+from plan2scene.plans.formats import read_plan
 from plan2scene_app.finishes import LIBRARY, finishes_file, finishes_text, read_finishes
 from plan2scene_app.set_by_hand import set_by_hand
 
@@ -36,6 +39,14 @@ def house(tmp_path):
     paint = pd.DataFrame(paint | {"white": [False], "photos": ["p.jpg"]})
     write_parquet(tmp_path / "paint.parquet", paint, {"house": "h"})
     return tmp_path
+
+
+def test_rooms_may_be_called_by_their_names(tmp_path):
+    (tmp_path / "f.csv").write_text("room,surface,what\nLiving Room,floor,white\nx,wall,white\n")
+    plan = read_plan(PLAN, "h1")
+    plan = replace(plan, rooms=tuple(replace(room, name="living room") for room in plan.rooms))
+    named = {SurfaceKey(room.id, "floor"): "white" for room in plan.rooms}
+    assert read_finishes(tmp_path / "f.csv", plan) == named | {SurfaceKey("x", "wall"): "white"}
 
 
 def test_each_kind_of_finish_and_nothing_else(house, caplog):

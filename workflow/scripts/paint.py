@@ -22,7 +22,7 @@ def set_finishes(folder: Path) -> None:
 
 with job(snakemake.log[0]):
     plan = read_scene_json(inputs.scene, snakemake.wildcards.house)
-    finishes = read_finishes(inputs.finishes) if inputs.get("finishes") else {}
+    finishes = read_finishes(inputs.finishes, plan) if inputs.get("finishes") else {}
     write_paint(
         *(inputs.colours, inputs.materials, output.paint),
         dataset=snakemake.params.dataset,

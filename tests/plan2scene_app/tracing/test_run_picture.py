@@ -69,6 +69,8 @@ def test_storeys_are_pictures_that_are_not_empty(picture, tmp_path):
         read_input(replace(request(picture), storeys=(other,)))
     with pytest.raises(InputError, match="without a scale, found --metres"):
         read_input(replace(request(picture), storeys=(picture,), metres_per_pixel=0.02))
+    with pytest.raises(InputError, match="another picture for each storey"):
+        read_input(replace(request(picture), storeys=(picture,)))
     path = tmp_path / "empty.png"
     write_png(path, np.full((200, 300, 3), 255, np.uint8))
     with pytest.raises(InputError, match="an empty page"):
