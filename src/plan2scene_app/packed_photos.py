@@ -71,14 +71,17 @@ def unpacked(photos: Path | None) -> Iterator[Path | None]:
     if photos is None or not is_packed(photos):
         yield photos
         return
-    with tempfile.TemporaryDirectory() as folder:
-        if not unpack_photos(photos, Path(folder)):
+    with tempfile.TemporaryDirectory() as temporary:
+        # Messages name files in it: people know the name of the archive.
+        folder = Path(temporary, photos.name)
+        folder.mkdir()
+        if not unpack_photos(photos, folder):
             expected = f"photos, in a PDF of at least {LEAST_SIDE} pixels a side"
             raise InputError(expected, "none", file=photos)
         try:
-            yield Path(folder)
-        except InputError as error:  # of the folder, which the user does not know
-            if folder not in str(error):
+            yield folder
+        except InputError as error:
+            if temporary not in str(error):
                 raise
             raise InputError(error.expected, error.found, file=photos) from None
 
