@@ -19,6 +19,7 @@ from plan2scene.io import safe_join
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.plan_file import PlanFile
 from plan2scene.plans.validate import house_faults, name_oddities, validate_house
+from plan2scene_app.panoramas import panorama_of
 from plan2scene_app.pdf import page_picture
 from plan2scene_app.workflow.drops import read_unobserved
 from plan2scene_app.workflow.house_table import SPLITS, TableRow, read_table, table_of_lists
@@ -230,6 +231,9 @@ def _check_house(
         checked.add(photo)
         try:
             photo_problem(path, house_id=house_id)
+            if panorama_of(path) is not None:
+                expected = "a flat photo (plan2scene views cuts others)"
+                raise InputError(expected, "a 360-degree one", file=path, house=house_id)
         except InputError as error:
             # Only a warning: the masks stage leaves the photo out, and the house is still made.
             yield Problem("warning", str(error))

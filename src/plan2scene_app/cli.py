@@ -375,6 +375,25 @@ def label_photos(
         raise typer.Exit(1)
 
 
+@app.command("views")
+def cut_views(
+    photos: Annotated[list[Path], typer.Argument(help="360-degree photos (equirectangular).")],
+    out: Annotated[Path, typer.Option(help="Folder for the views.")],
+) -> None:
+    """Cut 360-degree photos into flat views, which a photo table can name."""
+    from plan2scene_app.panoramas import VIEWS, cut_panoramas, panorama_of
+
+    for photo in photos:
+        if panorama_of(photo) is None:
+            raise InputError("a 360-degree photo", "a flat one", file=photo)
+        for name in (f"{photo.stem}_{number}.jpg" for number in range(1, VIEWS + 1)):
+            if (out / name).exists():
+                raise InputError(f"a folder without {name}", "such a file", file=out)
+    out.mkdir(parents=True, exist_ok=True)
+    for views in cut_panoramas({photo.name: photo for photo in photos}, out).values():
+        print(*views.values(), sep="\n")
+
+
 @app.command("texture")
 def make_texture(
     crops: Annotated[list[Path], typer.Argument(help="Crops of one surface.")],

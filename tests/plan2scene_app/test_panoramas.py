@@ -1,11 +1,15 @@
 import io
+import shutil
 
 import numpy as np
 import pytest
 from PIL import Image
+from places import PLAN
 
 from plan2scene.errors import InputError
 from plan2scene.photos.camera.exif import read_exif_focal
+from plan2scene_app.check import check_dataset
+from plan2scene_app.cli import cut_views
 from plan2scene_app.panoramas import Panorama, cut_panoramas, panorama_of, views_of
 
 HEADINGS, LINES = np.meshgrid((np.arange(1200) + 0.5) / 1200, (np.arange(600) + 0.5) / 600)
@@ -41,6 +45,26 @@ def test_views_look_around_and_know_their_lens(tmp_path):
         assert 90 * blue == pytest.approx(10, abs=2)  # degrees below the horizon
         red, green, _ = (image / 127.5 - 1)[height // 2, -1]
         assert turned(red, green, 60 * number + 45.4) == pytest.approx(0, abs=2)
+
+
+def test_the_command_writes_views_and_no_others(tmp_path, capsys):
+    path = sphere(tmp_path / "hall.jpg")
+    cut_views([path], tmp_path / "out")
+    assert capsys.readouterr().out.split()[0] == str(tmp_path / "out" / "hall_1.jpg")
+    for photo, found in ((path, "such a file"), (tmp_path / "out" / "hall_2.jpg", "a flat one")):
+        with pytest.raises(InputError, match=f"found {found}"):
+            cut_views([photo], tmp_path / "out")
+
+
+def test_a_check_tells_of_a_panorama_in_a_table(tmp_path):
+    shutil.copy(PLAN, tmp_path / "plan.json")
+    (tmp_path / "photos").mkdir()
+    sphere(tmp_path / "photos" / "hall.jpg")
+    (tmp_path / "p.csv").write_text("room_id,photo\nhall,hall.jpg\n")
+    row = "house\tsplit\tplan\tassignment\tphotos\nh\ttest\tplan.json\tp.csv\thall.jpg\n"
+    (tmp_path / "houses.tsv").write_text(row)
+    (problem,) = check_dataset(tmp_path)
+    assert "plan2scene views cuts others), found a 360-degree one" in str(problem)
 
 
 def test_a_part_of_a_sphere_gives_the_views_that_it_shows(tmp_path):
