@@ -3,7 +3,6 @@ import json
 import pytest
 from places import STOREYS
 
-from plan2scene.errors import InputError
 from plan2scene.house import USUAL, Level
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.plan_json import house_of_plan
@@ -85,24 +84,6 @@ def test_levels_come_in_any_order_and_give_heights(plan):
     house = house_of_plan(plan, "two")
     assert [level.id for level in house.levels] == ["ground", "upper"]
     assert house.room("living").height == 2.4
-
-
-@pytest.mark.parametrize(
-    ("kind", "name", "change", "line"),
-    [
-        ("rooms", "study", {"level": "attic"}, "ground, upper for room study, found 'attic'"),
-        ("openings", "front", {"level": "attic"}, "upper for opening front, found 'attic'"),
-        ("rooms", "study", {"level": None}, "expected string at rooms[7].level, found None"),
-        ("levels", "upper", {"elevation": 0.1}, "at least 0.5 m apart, found 0.10 m"),
-        ("levels", "upper", {"id": "ground"}, "expected each level id once, found ground 2 times"),
-        ("stairs", "stairs", {"to": [0.45, 4.5]}, "with a width, found 0.10 and 0.90 m"),
-    ],
-)
-def test_one_line_for_what_no_house_can_be_made_of(plan, kind, name, change, line):
-    entry(plan, kind, name).update(change)
-    with pytest.raises(InputError) as caught:
-        house_of_plan(plan, "two")
-    assert str(caught.value).endswith(line)
 
 
 def test_stairs_that_lead_nowhere_are_listed(plan):

@@ -46,6 +46,7 @@ def changed(path, value, example=EXAMPLE):
 ATTIC = {"id": "attic", "elevation": 5.6, "height": 2.2}
 STOREY_CHANGES = {
     "no level of a room": (["rooms", 0, "level"], None),
+    "a level of no text": (["rooms", 7, "level"], 7),
     "an unknown level": (["rooms", 0, "level"], "attic"),
     "an unknown level of a door": (["openings", 0, "level"], "attic"),
     "no levels": (["levels"], None),
