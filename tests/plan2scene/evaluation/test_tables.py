@@ -97,11 +97,3 @@ def test_memory_does_not_grow_with_the_houses(tmp_path):
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
     assert peaks[1] - peaks[0] < 60 * 1024  # the crops of the 20 houses alone are 250 KiB
-
-
-def test_a_house_without_rows_is_missing(tmp_path):
-    files = _files(tmp_path, 2)
-    frame, metadata = read_parquet(files[0][1])
-    write_parquet(files[0][1], frame[:0], metadata)
-    tidy = tidy_table(Measurements(*files), _request(2))
-    assert set(tidy["missing"]) == {"h1"} and set(tidy["houses"]) == {1}

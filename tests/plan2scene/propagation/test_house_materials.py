@@ -95,16 +95,14 @@ def test_a_floor_is_known_by_all_of_its_crops(shared_house, tmp_path):
     """The plainest crop of each room is of something else; the others show one floor."""
     rooms = [room.id for room in shared_house.rooms]
     write_scene_json(shared_house, tmp_path / "scene.json")
-    codes = [np.r_[np.full(8, sign * 2.0), [0.4] * 3].astype(np.float32) for sign in (1, -1)]
     rows = [
-        {"room_id": room, "surface": kind, "embedding": code, "n_crops": 6, "photo": "odd.png"}
-        | {"substance": "tile"}
+        {"room_id": room, "surface": kind, "embedding": code(value), "photo": "odd.png"}
+        | {"n_crops": 6, "substance": "tile"}
         for kind in ("floor", "wall")
-        for room, code in zip(rooms, codes, strict=True)
+        for room, value in zip(rooms, (2.0, -2.0), strict=True)
     ]
     write_parquet(tmp_path / "surfaces.parquet", pd.DataFrame(rows), {})
-    plain = np.r_[np.zeros(8), [0.4] * 3].astype(np.float32)
-    rows += [row | {"embedding": plain, "photo": "usual.png"} for row in rows * 5]
+    rows += [row | {"embedding": code(0), "photo": "usual.png"} for row in rows * 5]
     write_parquet(tmp_path / "embeddings.parquet", pd.DataFrame(rows), {})
     write_json(tmp_path / "light.json", {"gains": {}})
     for hidden, materials in (((), ["floor-1"] * 2), (("usual.png",), [])):

@@ -5,7 +5,7 @@ import yaml
 from PIL import Image
 
 from plan2scene.plans.scene_writer import write_scene_json
-from plan2scene_app.exports.occupancy import FREE, OCCUPIED, RESOLUTION_M
+from plan2scene_app.exports.occupancy import FREE, OCCUPIED, RESOLUTION_M, UNKNOWN
 from plan2scene_app.exports.registry import export_house
 from plan2scene_app.exports.simulator import mjcf_text, write_simulator
 from plan2scene_app.exports.solids import house_solids
@@ -40,6 +40,7 @@ def test_each_level_has_its_map(storey_house, tmp_path):
         column = int((x - facts["origin"][0]) / RESOLUTION_M)
         return grid[grid.shape[0] - 1 - int((-z - facts["origin"][1]) / RESOLUTION_M), column]
 
+    assert at("map", -0.4, -0.4) == UNKNOWN
     assert at("map", 4.5, 5.0) == FREE  # the kitchen, below the bathroom's wall
     assert at("map_upper", 4.6, 5.0) == OCCUPIED
     assert at("map", 0.45, 2.0) == OCCUPIED  # the stairs

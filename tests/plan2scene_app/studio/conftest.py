@@ -6,6 +6,8 @@ import pytest
 from browser import Drawing, chromium
 from studio_client import TOKEN, StudioClient
 
+from plan2scene_app.studio.projects import Projects
+
 
 class Studio(StudioClient):
     def __init__(self, root):
@@ -24,6 +26,15 @@ class Studio(StudioClient):
         self.server.should_exit = True
         self.thread.join(timeout=20)
 
+    def home_of(self, page):
+        return self.root / page.url.split("#")[0].rstrip("/").split("/")[-1]
+
+    def new_home(self, page, name):
+        page.goto(self.url)
+        page.fill("#new input", name)
+        page.click("#new button")
+        page.wait_for_url("**/p/*/")  # of the name what a folder may be called
+
 
 @pytest.fixture(scope="module")
 def studio(tmp_path_factory):
@@ -32,6 +43,11 @@ def studio(tmp_path_factory):
     found = Studio(tmp_path_factory.mktemp("homes"))
     yield found
     found.stop()
+
+
+@pytest.fixture
+def project(tmp_path):
+    return Projects(tmp_path).make("home")
 
 
 @pytest.fixture(scope="module")
@@ -47,10 +63,7 @@ def open_home(context, studio):
     @contextlib.contextmanager
     def opened(name):
         page = context.new_page()
-        page.goto(studio.url)
-        page.fill("#new input", name)
-        page.click("#new button")
-        page.wait_for_url("**/p/*/")
+        studio.new_home(page, name)
         drawing = Drawing(page)
         page.wait_for_selector("body[data-ready]")
         yield drawing

@@ -56,10 +56,6 @@ def drawing(open_home, studio, monkeypatch):
         yield found
 
 
-def home_of(studio, drawing):
-    return studio.root / drawing.page.url.split("#")[0].rstrip("/").split("/")[-1]
-
-
 def two_rooms(drawing):
     drawing.two_rooms()
     drawing.page.wait_for_function("() => !house.host.pending")
@@ -73,7 +69,7 @@ def add_photo(drawing, tmp_path, room):
 
 
 def test_from_nothing_to_a_house_and_a_photo_moved(drawing, studio, tmp_path):
-    page, home = drawing.page, home_of(studio, drawing)
+    page, home = drawing.page, studio.home_of(drawing.page)
     two_rooms(drawing)
     page.set_viewport_size({"width": 390, "height": 844})
     page.wait_for_function("() => { const at = editor.view.toPixels([5, 3]); return at[0] < 390; }")
@@ -118,7 +114,7 @@ def test_from_nothing_to_a_house_and_a_photo_moved(drawing, studio, tmp_path):
 
 
 def test_a_conflict_is_told_and_theirs_can_be_taken(drawing, studio):
-    page, home = drawing.page, home_of(studio, drawing)
+    page, home = drawing.page, studio.home_of(drawing.page)
     two_rooms(drawing)
     (home / "photos").mkdir(exist_ok=True)
     Image.new("RGB", (8, 8)).save(home / "photos" / "theirs.jpg")
@@ -165,7 +161,7 @@ def test_a_house_asked_for_twice_at_once_is_made_once(drawing, monkeypatch):
 
 
 def test_surfaces_are_clicked_and_set_by_hand(drawing, studio, tmp_path, monkeypatch):
-    page, table = drawing.page, home_of(studio, drawing) / "plan.finishes.csv"
+    page, table = drawing.page, studio.home_of(drawing.page) / "plan.finishes.csv"
     monkeypatch.setattr(runs, "JOB", job(CLICKED))
     two_rooms(drawing)
     add_photo(drawing, tmp_path, "room")
@@ -251,7 +247,7 @@ def test_a_drawing_without_scale_and_layers_is_asked_for_them(drawing, studio, t
     dialog.get_by_label("Metres a unit").fill("0,001")
     dialog.get_by_role("button", name="Read again").click()
     page.wait_for_function("() => editor.store.plan.rooms.length === 2 && !house.host.pending")
-    assert len(read_plan(home_of(studio, drawing) / "plan.json", "home").rooms) == 2
+    assert len(read_plan(studio.home_of(drawing.page) / "plan.json", "home").rooms) == 2
     page.reload()
     page.wait_for_selector("body[data-ready]")
     page.get_by_role("button", name="How the plan file is read").click()
@@ -301,7 +297,7 @@ def test_a_run_is_cancelled_fails_with_a_line_and_goes_on(drawing, monkeypatch):
 
 
 def test_in_a_dropped_folder_the_plans_of_the_storeys_are_found(drawing, studio, tmp_path):
-    page, home = drawing.page, home_of(studio, drawing)
+    page, home = drawing.page, studio.home_of(drawing.page)
     pages_and_photos(tmp_path, "first floor.png", "ground.png")
     (tmp_path / "hall").mkdir()
     (tmp_path / "b.jpg").rename(tmp_path / "hall" / "b.jpg")
@@ -321,7 +317,7 @@ def test_in_a_dropped_folder_the_plans_of_the_storeys_are_found(drawing, studio,
 
 
 def test_a_brochure_gives_its_plan_and_its_photos(drawing, studio, tmp_path):
-    page, home = drawing.page, home_of(studio, drawing)
+    page, home = drawing.page, studio.home_of(drawing.page)
     noise = np.random.default_rng(0).integers(0, 255, (40, 60, 3), np.uint8)
     photo, sheet = (Image.new("RGB", (600, 400), "white") for _ in range(2))
     photo.paste(Image.fromarray(noise).resize((600, 400)))
@@ -342,7 +338,7 @@ def test_a_brochure_gives_its_plan_and_its_photos(drawing, studio, tmp_path):
 
 
 def test_two_points_on_a_picture_are_kept_as_its_scale(drawing, studio, tmp_path):
-    page, home = drawing.page, home_of(studio, drawing)
+    page, home = drawing.page, studio.home_of(drawing.page)
     Image.new("RGB", (400, 300), "white").save(tmp_path / "plan.png")
     page.click("#open")
     page.set_input_files("#file-input", tmp_path / "plan.png")

@@ -10,7 +10,7 @@ from plan2scene.house import House, Level, Opening, Room, Wall
 from plan2scene.mesh.glb import write_glb
 from plan2scene_app.doubts.page import DoubtFiles, write_doubts
 from plan2scene_app.editor.editor_page import editor_page
-from plan2scene_app.studio.projects import EXTRA, PLAN, Projects
+from plan2scene_app.studio.projects import EXTRA, PLAN
 from plan2scene_app.viewer.viewer_page import build_viewer
 
 NAMES = [
@@ -116,13 +116,9 @@ def test_written_pages(page, asked, make, tmp_path):
 
 def test_the_studio(page, asked, studio):
     for name in NAMES[1:6:2]:
-        page.goto(studio.url)
-        page.fill("#new input", name)
-        page.click("#new button")
-        page.wait_for_url("**/p/*/")  # of the name what a folder may be called
-        home = Projects(studio.root).get(page.url.split("/")[-2])
+        studio.new_home(page, name)
         for file, value in ((PLAN, hostile_state(name)["plan"]), (EXTRA, {"photos": [name]})):
-            (home.path / file).write_text(json.dumps(value))
+            (studio.home_of(page) / file).write_text(json.dumps(value))
         page.goto(page.url)
         page.wait_for_selector("body[data-ready]")
         check(page, name)

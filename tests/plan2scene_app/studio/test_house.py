@@ -37,10 +37,6 @@ def assert_is_the_plan(scene, house):
     np.testing.assert_allclose(extent, np.ptp(corners, axis=0), atol=0.5)
 
 
-def folder_of(studio, drawing):
-    return studio.root / drawing.page.url.split("#")[0].rstrip("/").split("/")[-1]
-
-
 def doors_of(plan):
     return sum(opening["kind"] == "door" for opening in plan["openings"])
 
@@ -75,7 +71,7 @@ def test_a_picture_is_traced_mended_and_made(drawing, studio, tmp_path):
     drawing.click(high[0], (low[1] + high[1]) / 2)
     assert doors_of(drawing.plan) == doors + 1
     scene = made_house(drawing, tmp_path)
-    assert_is_the_plan(scene, read_plan(folder_of(studio, drawing) / "plan.json", "home"))
+    assert_is_the_plan(scene, read_plan(studio.home_of(page) / "plan.json", "home"))
     assert sum("/door/" in name for name in scene.geometry) == doors + 1
 
 

@@ -11,12 +11,6 @@ from plan2scene.errors import InputError
 from plan2scene.plans.formats import read_plan
 from plan2scene_app.studio import limited as limits
 from plan2scene_app.studio.plan_source import UnreadPlanError, read_again, read_upload, reading_of
-from plan2scene_app.studio.projects import Projects
-
-
-@pytest.fixture
-def project(tmp_path):
-    return Projects(tmp_path).make("home")
 
 
 def asked(project, content):

@@ -16,11 +16,6 @@ from plan2scene_app.studio import runs
 from plan2scene_app.studio.projects import Conflict, Projects
 
 
-@pytest.fixture
-def project(tmp_path):
-    return Projects(tmp_path).make("home")
-
-
 def photo(tmp_path, colour="red"):
     path = tmp_path / f"{colour}.png"
     Image.new("RGB", (32, 24), colour).save(path)

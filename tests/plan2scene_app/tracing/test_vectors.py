@@ -22,6 +22,14 @@ def traced(probabilities):
     return regions, outlines.room_polygons(regions)
 
 
+def described(probabilities):
+    """Return what `traced` and its openings are of a flat whose left room has a written name."""
+    regions, polygons = traced(probabilities)
+    openings = find_openings(regions, polygons, probabilities)
+    lines = [line("Chambre 1", 3.0 * PPM, 2.0 * PPM)]
+    return regions, openings, outlines.describe_rooms(regions, polygons, probabilities, lines)
+
+
 def test_a_slanted_wall_stays_slanted():
     labels = flat_labels()
     rows, columns = np.indices(labels.shape)
@@ -142,10 +150,7 @@ def test_marks_tell_what_an_unnamed_room_is(step, treads, kind):
     probabilities = as_probabilities(labels)
     if step == 0:  # the network knows its fixtures
         probabilities = as_probabilities(np.where(labels == ROOM, 9, labels))
-    regions, polygons = traced(probabilities)
-    openings = find_openings(regions, polygons, probabilities)
-    lines = [line("Chambre 1", 3.0 * PPM, 2.0 * PPM)]
-    rooms = outlines.describe_rooms(regions, polygons, probabilities, lines)
+    regions, openings, rooms = described(probabilities)
     image = np.full((*labels.shape, 3), 255, np.uint8)
     if step:
         image[:, round(5.1 * PPM) :: step] = 0
@@ -157,10 +162,7 @@ def test_marks_tell_what_an_unnamed_room_is(step, treads, kind):
 def test_a_plan_that_names_a_bedroom_names_all():
     labels = flat_labels()
     probabilities = as_probabilities(np.where(labels == 8, ROOM + 2, labels))
-    regions, polygons = traced(probabilities)
-    openings = find_openings(regions, polygons, probabilities)
-    lines = [line("Chambre 1", 3.0 * PPM, 2.0 * PPM)]
-    rooms = outlines.describe_rooms(regions, polygons, probabilities, lines)
+    regions, openings, rooms = described(probabilities)
     assert [room.types for room in rooms] == [("Bedroom",)] * 2
     basin = np.full((*labels.shape, 3), 255, np.uint8)  # round: as what a door sweeps
     for radius in range(6, 30, 3):
