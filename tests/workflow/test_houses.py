@@ -10,10 +10,9 @@ import struct
 import zlib
 from pathlib import Path
 
-import cv2
-import numpy as np
 import pytest
 from clones import DEMO, demo_rows, make_clone, photos_of, write_table
+from flat_picture import flat_picture
 from PIL import Image
 
 from plan2scene.house import FROM_PHOTOS, USUAL
@@ -119,15 +118,6 @@ def renamed(row, name, data):
     return copy
 
 
-def drawn(path):
-    image = np.full((350, 500, 3), 255, np.uint8)
-    cv2.rectangle(image, (40, 40), (460, 310), (0, 0, 0), -1)
-    white = [(50, 50, 249, 299), (256, 50, 449, 299), (249, 100, 256, 145), (100, 300, 145, 311)]
-    for corners in [*white, (110, 42, 170, 48), (320, 42, 380, 48)]:
-        cv2.rectangle(image, corners[:2], corners[2:], (255, 255, 255), -1)
-    cv2.imwrite(str(path), image)
-
-
 def unmeasured(path):
     """Turn a plan into one that tells no height of ceilings, in our own format."""
     plan = house_to_plan(read_plan(path, "unmeasured"))
@@ -143,7 +133,7 @@ def broken(tmp_path_factory, toy_site):
     clone = make_clone(tmp_path_factory.mktemp("broken") / "clone", [], floorplans=scale)
     shutil.copytree(toy_site, clone.root / "src", dirs_exist_ok=True)
     data = clone.root / "data"
-    drawn(data / "flat.jpg")
+    Image.fromarray(flat_picture()).save(data / "flat.jpg")
     (data / "home.square").write_text("square 200")
     alone = {"split": "test", "assignment": "", "photos": ""}
     rows = [

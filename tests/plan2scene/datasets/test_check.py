@@ -5,7 +5,6 @@ import pytest
 
 from plan2scene.datasets.assignments import (
     PhotoAssignment,
-    check_assignment,
     read_assignment,
     rooms_of_photos,
 )
@@ -68,15 +67,6 @@ def test_rooms_of_photos(tmp_path, caplog):
     read_assignment(path, house, traced=True)
     assert "found 'b' for photo x.jpg; looked for" in caplog.text
     assert rooms_of_photos(None, house) == {}
-
-
-@pytest.mark.parametrize("text", ["", "\n", "room_id,photo\n"])
-def test_empty_table_is_a_warning(tmp_path, text):
-    path = table(tmp_path, text)
-    rows = read_assignment(path, small_house())
-    assert rows == ()
-    (line,) = check_assignment(small_house(), rows, tmp_path, file=path)
-    assert line == f"file {path}, house h1: expected at least one photo, found none"
 
 
 @pytest.mark.parametrize(
@@ -178,17 +168,14 @@ def test_every_problem_is_a_line(dataset):
           "h2\tval\tnone.json\t\t\n", "houses.tsv")  # fmt: skip
     (dataset / "unobserved_photos.json").write_text('{"0.6": ["elsewhere.jpg"]}')
     lines = [str(problem) for problem in check_dataset(dataset)]
-    assert len(lines) == 6
-    assert lines[0].startswith(f"error: file {dataset / 'houses.tsv'}, house h1: expected a plain")
+    starts = (
+        f"error: file {dataset / 'houses.tsv'}, house h1: expected a plain",
+        f"warning: file {photos / 'cut.png'}, house h1: expected an image",
+        f"warning: file {photos / 'gone.jpg'}, house h1: expected an image, found no such file",
+        f"warning: file {photos / 'text.jpg'}, house h1: expected an image (",
+        f"error: file {dataset / 'none.json'}, house h2: expected a plan, found no such file",
+        "warning: ",
+    )
+    for line, start in zip(lines, starts, strict=True):
+        assert line.startswith(start) and "\n" not in line
     assert lines[0].endswith("found '../up.jpg'")
-    assert lines[1].startswith(f"warning: file {photos / 'cut.png'}, house h1: expected an image")
-    assert lines[2] == (
-        f"warning: file {photos / 'gone.jpg'}, house h1: expected an image, found no such file"
-    )
-    assert lines[3].startswith(
-        f"warning: file {photos / 'text.jpg'}, house h1: expected an image ("
-    )
-    assert lines[4] == (
-        f"error: file {dataset / 'none.json'}, house h2: expected a plan, found no such file"
-    )
-    assert lines[5].startswith("warning: ") and all("\n" not in line for line in lines)

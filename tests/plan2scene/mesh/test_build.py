@@ -60,15 +60,6 @@ def test_a_surface_without_texture_is_a_warning(folder, gap_house, caplog):
     assert "house gap: no texture for a/wall" in caplog.text
 
 
-@pytest.mark.parametrize("size", [None, 0, -1.0, "1"])
-def test_bad_size_is_refused(folder, gap_house, size):
-    entries = entries_of(folder)
-    entries["a/floor"]["size_m"] = size
-    write_index(folder, entries)
-    with pytest.raises(InputError, match=r"house gap: .*'a/floor'\]\.size_m: "):
-        load_textures(folder / "textures", gap_house)
-
-
 def test_missing_and_broken_tiles_are_refused(folder, gap_house):
     (folder / "textures" / "a_floor.png").write_bytes(b"no picture")
     with pytest.raises(InputError, match=r"a_floor\.png.*expected an image"):

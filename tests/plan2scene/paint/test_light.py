@@ -73,12 +73,6 @@ def test_relight_multiplies_linear_light_and_burns_nothing_out():
     assert relight(ramp, np.ones(3)) is ramp
 
 
-def test_one_table_recolours_every_pixel():
-    image = np.random.default_rng(0).integers(60, 120, (16, 16, 3), dtype=np.uint8)
-    colour = np.array([0.5, 0.3, 0.6])
-    np.testing.assert_allclose(tones.median_colour(recoloured(image, colour)), colour, atol=0.01)
-
-
 @pytest.mark.parametrize("own_green", [0.0, 0.005])
 def test_a_red_carpet_that_becomes_green_has_no_blotches(own_green):
     """Its green and blue are nearly black, so that they are noise alone."""

@@ -6,7 +6,6 @@ import pytest
 from views import camera_looking
 
 from plan2scene.camera import Camera, as_rows
-from plan2scene.errors import InputError
 from plan2scene.photos.camera.calibration import canonical, estimate_camera
 from plan2scene.photos.camera.exif import ExifFocal
 from plan2scene.photos.camera.lines import CAMERA
@@ -98,12 +97,3 @@ def test_no_lines_fall_back_to_the_constant_field_of_view():
     assert camera.fallback and camera.focal_source == "config" and camera.confidence == 0.0
     assert camera.focal_px == pytest.approx(80 / np.tan(np.radians(30)), abs=1e-3)
     np.testing.assert_array_equal(camera.matrix, np.diag([-1.0, -1.0, 1.0]))
-
-
-def test_json_round_trip_and_fault():
-    image, _ = checker_room((25.0, 4.0, 1.0), 65.0, size=(240, 320))
-    camera = estimate_camera(image)
-    assert Camera.from_json(camera.to_json()) == camera
-    with pytest.raises(InputError, match=r"cameras\.json.*focal_px"):
-        told = {"width": 3, "height": 2, "rotation": np.eye(3).tolist()}
-        Camera.from_json(told, file="cameras.json")

@@ -37,17 +37,7 @@ def test_absurd_values_are_refused_with_a_line(tmp_path, equivalent):
     assert found.focal_px is None and f"{equivalent} mm not used" in found.warning
 
 
-def test_damage_never_raises(tmp_path):
-    good = photo(tmp_path / "a.jpg", {EQUIVALENT: 26, **noted(4000, 3000)}).read_bytes()
-    rng = np.random.default_rng(0)
-    for index in range(60):
-        data = bytearray(good[: 300 if index % 3 else None])
-        for place in rng.integers(20, min(len(data), 200), 6):
-            data[place] = rng.integers(256)
-        broken = tmp_path / f"{index}.jpg"
-        broken.write_bytes(bytes(data))
-        focal = read_exif_focal(broken, SIZE).focal_px
-        assert focal is None or np.isfinite(focal)
+def test_what_tells_no_lens_never_raises(tmp_path):
     (tmp_path / "text.jpg").write_text("no photo")
     Image.new("RGB", (4, 4)).save(tmp_path / "a.png")
     for name in ("text.jpg", "a.png", "missing.jpg"):

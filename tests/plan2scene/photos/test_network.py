@@ -2,9 +2,7 @@ import numpy as np
 import torch
 from torch import nn
 
-from plan2scene.photos.labels.network import Ensemble, SegmentationNet, folded
-from plan2scene.photos.labels.segmentation import Segmenter, load_segmenter
-from plan2scene.weights import save_model_file
+from plan2scene.photos.labels.network import SegmentationNet, folded
 from plan2scene_workshop.segmentation.run import ensemble_of
 
 TINY = {"widths": [8] * 5, "depths": [1] * 4, "decoder": 16, "long_side": 64, "elevation": True}
@@ -25,16 +23,6 @@ def test_logits_are_the_members_mean():
     x, elevation = torch.rand(2, 3, 64, 96), torch.rand(2, 64, 96)
     mean = sum(network(x, elevation) for network in networks) / 3
     torch.testing.assert_close(ensemble(x, elevation), mean)
-
-
-def test_a_file_of_several_networks_round_trips(tmp_path):
-    ensemble = ensemble_of([_network(seed) for seed in range(2)])
-    path = tmp_path / "e.safetensors"
-    save_model_file(path, ensemble.state_dict(), ensemble.architecture, half=False)
-    loaded = load_segmenter(path)
-    assert isinstance(loaded.network, Ensemble) and len(loaded.network.members) == 2
-    assert loaded.network.elevation and loaded.network.long_side == 64
-    assert np.array_equal(loaded.labels(_photo()), Segmenter(ensemble).labels(_photo()))
 
 
 def test_a_folded_network_has_no_batch_norm_and_the_same_answers():

@@ -116,15 +116,6 @@ def test_names_and_links_of_projects(tmp_path):
             projects.get(name)
 
 
-def wait(project, *states):
-    for _ in range(600):
-        found = runs.status(project)
-        if found["state"] in states:
-            return found
-        time.sleep(0.05)
-    raise AssertionError(found)
-
-
 JOB = """
 import json, os, sys, time
 with open(sys.argv[1] + "/run_events.jsonl", "w") as file:
@@ -159,7 +150,8 @@ def test_a_bad_plan_or_a_record_of_another_form_is_a_failed_run(project):
     plan["rooms"][0]["types"] = ["Ballroom"]
     project.save(state(project, plan=plan))
     runs.start(project, runs.settings_of({}, 1))
-    found = wait(project, "failed")
+    while (found := runs.status(project))["state"] != "failed":
+        time.sleep(0.05)
     assert "room living: expected a room type" in found["fault"]
     assert "'Ballroom'" in found["fault"] and found["stages"] == []
     (project.path / "run.json").write_text("[]")
