@@ -1,4 +1,5 @@
 import time
+from dataclasses import replace
 from itertools import pairwise
 from math import atan2, cos, degrees, radians, sin
 
@@ -103,8 +104,6 @@ def test_round_trip_with_rooms(tmp_path, way, number):
 
 def without_passages(plan):
     """A DXF door block has a leaf: passages come back as doors."""
-    from dataclasses import replace
-
     holes = [replace(h, kind="door" if h.kind == "passage" else h.kind) for h in plan.holes]
     return replace(plan, holes=holes)
 

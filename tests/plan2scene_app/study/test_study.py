@@ -11,12 +11,12 @@ import numpy as np
 import pandas as pd
 import pytest
 from browser import chromium
+from painted_house import textures_of
 from PIL import Image
 from sample_houses import rooms_in_a_row
 
 from plan2scene.errors import InputError
 from plan2scene.house import House
-from plan2scene.images import write_png
 from plan2scene.io import read_json, write_json
 from plan2scene_app.study import study
 from plan2scene_app.study.study_sheet import write_study_sheet
@@ -25,22 +25,15 @@ PAIRS = [["synth", "crop"], ["exemplar", "synth"]]
 HOUSES = [f"home_{i}" for i in range(7)]
 
 
-def _paint(folder, plan, level):
-    entries = {}
-    for key in plan.surface_keys():
-        write_png(folder / f"{key.filename}.png", np.full((16, 16, 3), level, np.uint8))
-        entries[f"{key.room_id}/{key.surface}"] = {"size_m": 1.0, "observed": True}
-    write_json(folder / "textures.json", {"surfaces": entries})
-    return folder
-
-
 def test_a_sheet_has_plan_photos_and_a_render_by_each_method(tmp_path):
     rooms = rooms_in_a_row(bed="Bedroom", hall="Corridor", bath="Bathroom", loft="Closet")
     plan = House("h1", rooms, ())
     for name in ("b.jpg", "a.jpg"):
         Image.new("RGB", (640, 480), (200, 30, 30)).save(tmp_path / name)
     (tmp_path / "broken.jpg").write_text("no photo")
-    methods = {n: _paint(tmp_path / n, plan, level) for n, level in (("x", 40), ("y", 220))}
+    names = ["/".join(key) for key in plan.surface_keys()]
+    grey = {n: np.full((16, 16, 3), level, np.uint8) for n, level in (("x", 40), ("y", 220))}
+    methods = {n: textures_of(tmp_path / n, dict.fromkeys(names, grey[n])) for n in grey}
     rooms = {"b.jpg": ["bed"], "a.jpg": ["bed", "hall"], "broken.jpg": ["bath"]}
     told = dict(photos={name: tmp_path / name for name in rooms}, rooms_of_photo=rooms)
     write_study_sheet(tmp_path / "sheet", house=plan, textures=methods, **told)
