@@ -21,22 +21,18 @@ def shoelace(ring):
     return abs(float(np.sum(x * np.roll(z, -1) - np.roll(x, -1) * z))) / 2
 
 
-def drop_file(drawing, at, name):
+def drop_files(drawing, at, *names):
     x, y = drawing.pixel(*at)
     drawing.page.evaluate(
-        """async ([x, y, name]) => {
-          const canvas = new OffscreenCanvas(40, 30);
+        """async ([x, y, names]) => {
+          const canvas = new OffscreenCanvas(400, 300), data = new DataTransfer();
           canvas.getContext("2d").fillRect(0, 0, 40, 30);
-          const file = new File([await canvas.convertToBlob()], name, { type: "image/png" });
-          const data = new DataTransfer();
-          data.items.add(file);
+          const blob = await canvas.convertToBlob();
+          for (const name of names) data.items.add(new File([blob], name, { type: "image/png" }));
           const options = { clientX: x, clientY: y, dataTransfer: data, cancelable: true };
           editor.view.svg.dispatchEvent(new DragEvent("drop", options));
         }""",
-        [x, y, name],
-    )
-    drawing.page.wait_for_function(
-        "(name) => editor.store.state.photos.some((p) => p.name === name)", arg=name
+        [x, y, names],
     )
 
 
@@ -54,10 +50,11 @@ def test_two_rooms_from_nothing_to_a_glb(drawing, tmp_path):
     drawing.page.get_by_label("Name").fill("My kitchen")
     drawing.page.get_by_label("Height").fill("250 cm")
     drawing.page.keyboard.press("Enter")
-    drop_file(drawing, (4, 2), "bed.png")
+    drop_files(drawing, (4, 2), "bed.png")
+    drawing.page.wait_for_function("() => editor.store.state.photos.length === 1")
     drawing.click(4, 2)
     thumb = drawing.page.locator("#panel .photo img")
-    assert thumb.evaluate("(image) => image.decode().then(() => image.naturalWidth)") == 40
+    assert thumb.evaluate("(image) => image.decode().then(() => image.naturalWidth)") == 240
     downloads = []
     drawing.page.on("download", lambda download: downloads.append(download))
     drawing.press("v", "Control+s")
@@ -85,16 +82,7 @@ def test_two_rooms_from_nothing_to_a_glb(drawing, tmp_path):
 
 
 def test_a_plan_and_photos_dropped_together(drawing):
-    drawing.page.evaluate(
-        """async () => {
-          const canvas = new OffscreenCanvas(400, 300), data = new DataTransfer();
-          canvas.getContext("2d").fillRect(0, 0, 40, 30);
-          const blob = await canvas.convertToBlob();
-          for (const name of ["bed.png", "Grundriss.png", "hall.png"])
-            data.items.add(new File([blob], name, { type: "image/png" }));
-          editor.view.svg.dispatchEvent(new DragEvent("drop", { dataTransfer: data }));
-        }"""
-    )
+    drop_files(drawing, (1, 1), "bed.png", "Grundriss.png", "hall.png")
     drawing.page.get_by_role("button", name="Open", exact=True).last.click()
     drawing.page.wait_for_function("() => editor.store.state.photos.length === 2")
     assert drawing.page.evaluate("editor.picture.width") == 400

@@ -187,8 +187,7 @@ def test_leaves_drawn_at_a_window_make_it_a_door(arcs, leaves, kind):
         cv2.ellipse(page, (hinge, 31), (22, 22), 0, start, start + 90, (0, 0, 0), 1)
         if leaves:
             cv2.line(page, (hinge, 31), (hinge, 9), (0, 0, 0), 1)
-    regions = find_regions(labels, PPM)
-    openings = find_openings(regions, outlines.room_polygons(regions), as_probabilities(labels))
+    regions, _, openings = traced(labels)
 
     def kinds(upstairs):
         found = marks.with_swung_windows(openings, page, regions.wall_px, upstairs)
