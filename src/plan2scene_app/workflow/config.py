@@ -63,7 +63,7 @@ def _values(config: Mapping[str, Any]) -> Iterator[tuple[str, object]]:
 def check_checkpoints(config: Mapping[str, Any]) -> None:
     """Raise InputError if a needed checkpoint is not named, or a named one is not a file.
 
-    The same holds for a folder of precomputed labels. Otherwise each house would fail on its own.
+    The same holds for precomputed labels and a pretrained network: else each house would fail.
     """
     paths = {f"metrics.{name}": config["metrics"][name] for name in ("vgg16", "inception")}
     paths |= {f"models.{name}": path for name, path in config["models"].items()}
@@ -80,6 +80,10 @@ def check_checkpoints(config: Mapping[str, Any]) -> None:
     folder = config["photos"]["masks_folder"]
     if config["photos"]["masks"] == "precomputed" and not (folder and Path(folder).is_dir()):
         raise InputError("a folder of label PNGs (photos.masks_folder)", str(folder or "null"))
+    pretrained = config["photos"]["pretrained"]
+    given = pretrained["path"] or (pretrained["id"] and pretrained["revision"])
+    if config["photos"]["masks"] == "pretrained" and not given:
+        raise InputError("a path, or id and revision, in photos.pretrained", "neither")
 
 
 def table_of(dataset: Mapping[str, Any]) -> HouseTable:

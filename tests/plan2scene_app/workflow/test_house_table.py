@@ -45,6 +45,7 @@ def test_checkpoints_and_folders_that_are_needed():
     given = {"texture": __file__, "propagation": __file__, "naivesynth": None}
     config = {"metrics": {"vgg16": None, "inception": None}, "weights": "official", "models": {}}
     config |= {"official": given, "photos": {"masks": "embedded", "masks_folder": None}}
+    config["photos"]["pretrained"] = {"path": None, "id": "a/b", "revision": None}
     check_checkpoints(config)
     check_checkpoints(config | {"weights": "embedded"})
     for name in ("texture", "propagation"):
@@ -56,3 +57,5 @@ def test_checkpoints_and_folders_that_are_needed():
         check_checkpoints(config | {"models": {"kinds": "no.safetensors"}})
     with pytest.raises(InputError, match=r"photos\.masks_folder\), found null"):
         check_checkpoints(config | {"photos": {"masks": "precomputed", "masks_folder": None}})
+    with pytest.raises(InputError, match="id and revision, in photos"):
+        check_checkpoints(config | {"photos": config["photos"] | {"masks": "pretrained"}})
