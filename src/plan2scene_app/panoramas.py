@@ -18,7 +18,7 @@ import cv2
 import numpy as np
 
 from plan2scene.errors import InputError
-from plan2scene.images import decode_image, to_small_srgb
+from plan2scene.images import MAX_PHOTO_PIXELS, decode_image, to_small_srgb
 from plan2scene.photos.camera.exif import VIEW_MAKER
 
 _LOG = logging.getLogger("plan2scene")
@@ -55,9 +55,10 @@ def cut_panoramas(
     """Write the views of the 360-degree photos among these files into a folder.
 
     Return the files of the views by name, for each panorama's name. The views of ``hall.jpg`` are
-    ``hall_1.jpg`` and so on.
+    ``hall_1.jpg`` and so on; if another photo has such a name, ``hall_view_1.jpg``.
     """
     views: dict[str, dict[str, Path]] = {}
+    stems = {Path(name).stem for name in photos}
     for name, path in photos.items():
         try:
             panorama = panorama_of(path)
@@ -66,6 +67,8 @@ def cut_panoramas(
             continue
         if files:
             stem = Path(name).stem
+            while any(f"{stem}_{number}" in stems for number in range(1, VIEWS + 1)):
+                stem += "_view"
             views[name] = {}
             for number, content in enumerate(files, 1):
                 view = f"{stem}_{number}.jpg"
@@ -91,13 +94,13 @@ def panorama_of(path: Path) -> Panorama | None:
     left edge goes on at its right and its first row shows one point. InputError for a picture that
     cannot be read, and for a wide panorama that does not tell its angles.
     """
-    width, height = decode_image(path, lambda image: image.size, max_pixels=2**40)
+    width, height = _size(path)
     with path.open("rb") as file:
         told = _told(file.read(_HEAD), (height, width))
     if told is not None:
         return told
     if width >= _LEAST_COLUMNS and abs(width / height - 2) < 0.01:
-        small = decode_image(path, partial(to_small_srgb, side=512))
+        small = _read(path, 512)
         return Panorama((height, width)) if _is_sphere(small) else None
     if max(width, height) >= WIDE * min(width, height):
         expected = f"a photo less than {WIDE:g} times as wide as high"
@@ -132,11 +135,11 @@ def views_of(path: Path, panorama: Panorama, fov_deg: float = FOV_DEG) -> Iterat
 
     Views that the picture shows only in part are left out.
     """
-    image = decode_image(path, partial(to_small_srgb, side=MOST_COLUMNS))
+    image = _read(path, MOST_COLUMNS)
     zoom = min(1.0, MOST_COLUMNS / image.shape[1])
     if zoom < 1:
         image = cv2.resize(image, None, fx=zoom, fy=zoom, interpolation=cv2.INTER_AREA)
-    scale = image.shape[1] / _width(path)
+    scale = image.shape[1] / _size(path)[0]
     rows, columns = (side * scale for side in panorama.whole)
     focal = columns / (2 * np.pi)
     width = round(2 * focal * np.tan(np.radians(fov_deg) / 2))
@@ -160,8 +163,14 @@ def views_of(path: Path, panorama: Panorama, fov_deg: float = FOV_DEG) -> Iterat
         yield _jpeg(view, focal)
 
 
-def _width(path: Path) -> int:
-    return decode_image(path, lambda image: image.size[0], max_pixels=2**40)
+def _read(path: Path, side: int) -> np.ndarray:
+    """Return a picture (h, w, 3) uint8 sRGB; a larger one is reduced to 1 to 4 times `side`."""
+    return decode_image(path, partial(to_small_srgb, side=side), max_pixels=MAX_PHOTO_PIXELS)
+
+
+def _size(path: Path) -> tuple[int, int]:
+    """Return the width and height of a picture file of any size, in pixels."""
+    return decode_image(path, lambda image: image.size, max_pixels=2**40)
 
 
 def _looked_up(

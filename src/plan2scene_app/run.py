@@ -150,7 +150,9 @@ def read_input(request: SingleHouse) -> list[str]:
     for name, path in _photo_paths(request, names).items():
         try:
             photo_problem(path, house_id=request.house)
-            panorama_of(path)
+            if panorama_of(path) is not None:
+                expected = f"a panorama that shows {FOV_DEG:g} degrees, also up and down"
+                raise InputError(expected, "a narrower one", file=path, house=request.house)
         except InputError as fault:
             faults[name] = str(fault)
     if names and len(faults) == len(names):

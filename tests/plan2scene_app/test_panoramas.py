@@ -11,6 +11,7 @@ from plan2scene.photos.camera.exif import read_exif_focal
 from plan2scene_app.check import check_dataset
 from plan2scene_app.cli import cut_views
 from plan2scene_app.panoramas import Panorama, cut_panoramas, panorama_of, views_of
+from plan2scene_app.run import SingleHouse, read_input
 
 HEADINGS, LINES = np.meshgrid((np.arange(1200) + 0.5) / 1200, (np.arange(600) + 0.5) / 600)
 
@@ -35,6 +36,8 @@ def test_views_look_around_and_know_their_lens(tmp_path):
     assert panorama_of(path) == Panorama((600, 1200))
     views = cut_panoramas({"hall.jpg": path, "b.jpg": tmp_path / "none.jpg"}, tmp_path)
     assert [*views] == ["hall.jpg"] and len(views["hall.jpg"]) == 6
+    beside = cut_panoramas({"hall.jpg": path, "hall_3.png": tmp_path / "none.png"}, tmp_path)
+    assert [*beside["hall.jpg"]] == [f"hall_view_{number}.jpg" for number in range(1, 7)]
     for number, file in enumerate(views["hall.jpg"].values()):
         image = np.asarray(Image.open(file)).astype(float)
         height, width = image.shape[:2]
@@ -77,6 +80,16 @@ def test_a_part_of_a_sphere_gives_the_views_that_it_shows(tmp_path):
     (first,) = (np.asarray(Image.open(io.BytesIO(v))) for v in views_of(path, panorama))
     red, green, _ = first[first.shape[0] // 2, first.shape[1] // 2] / 127.5 - 1
     assert turned(red, green, 0) == pytest.approx(0, abs=2)
+
+
+def test_a_strip_without_a_whole_view_is_left_out(tmp_path, caplog):
+    xmp = b'GPano:ProjectionType="equirectangular" GPano:FullPanoWidthPixels="1200"'
+    xmp += b' GPano:FullPanoHeightPixels="600" GPano:CroppedAreaLeftPixels="300"'
+    sphere(tmp_path / "strip.jpg", slice(300, 500), xmp)
+    sphere(tmp_path / "flat.jpg", slice(100, 900))
+    asked = SingleHouse(PLAN, None, tmp_path, "h", "exemplar", None, 0, 128)
+    assert read_input(asked) == ["flat.jpg"]
+    assert "strip.jpg, house h: expected a panorama that shows 90 degrees" in caplog.text
 
 
 def test_flat_photos_are_none_and_wide_ones_without_angles_are_told(tmp_path):
