@@ -44,9 +44,10 @@ _ANGLES = (
     *(b"FullPanoHeightPixels", b"FullPanoWidthPixels"),
     *(b"CroppedAreaTopPixels", b"CroppedAreaLeftPixels", b"CroppedAreaImageWidthPixels"),
 )
-#: How much more the outer columns may differ than neighbours do; largest spread (standard
-#: deviation over that of the picture) of the first row, which shows a single point.
-_SEAM, _POLE = 2.0, 0.35
+#: How much more the outer columns may differ than neighbours do. Spread (standard deviation over
+#: that of the picture): at most that of the first row, which shows a single point; at least that of
+#: the first column, which shows ceiling and floor, where a drawing shows paper.
+_SEAM, _POLE, _EDGE = 2.0, 0.35, 0.1
 
 
 def cut_panoramas(
@@ -127,7 +128,8 @@ def _is_sphere(image: np.ndarray) -> bool:
     grey = cv2.GaussianBlur(image, (0, 0), 1).astype(np.float32).mean(2)
     seam = float(np.abs(grey[:, 0] - grey[:, -1]).mean())
     usual = float(np.abs(np.diff(grey, axis=1)).mean())
-    return seam <= _SEAM * usual + 1 and float(grey[0].std()) <= _POLE * float(grey.std())
+    pole, edge, whole = (float(part.std()) for part in (grey[0], grey[:, 0], grey))
+    return seam <= _SEAM * usual + 1 and pole <= _POLE * whole and edge >= _EDGE * whole
 
 
 def views_of(path: Path, panorama: Panorama, fov_deg: float = FOV_DEG) -> Iterator[bytes]:

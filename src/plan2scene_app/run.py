@@ -254,11 +254,9 @@ def prepare(request: SingleHouse, names: list[str], work: Path) -> Path:
     if request.photo_table is not None or names:
         _copy_photos(names, photos, request)
         assignment = "photoroom.csv"
-    if request.photo_table is not None and request.views:
-        _write_changed(_table_of_views(request).encode(), root / assignment)
-    elif request.photo_table is not None:
+    if request.photo_table is not None and not request.views:
         _copy_changed(request.photo_table, root / assignment)
-    elif names:
+    elif assignment:
         _write_changed(_table_of(names, request).encode(), root / assignment)
     with (root / "houses.tsv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, delimiter="\t", lineterminator="\n")
@@ -277,25 +275,19 @@ def _copy_finishes(plan: Path, copy: Path) -> None:
 
 
 def _table_of(names: list[str], request: SingleHouse) -> str:
-    """Return the text of a photo table (CSV), with the rooms that the user corrected."""
+    """Return the text of a photo table (CSV) of these photos, with the rooms that the user gave.
+
+    Views have the rooms of their 360-degree photo.
+    """
     rooms: dict[str, list[str]] = {}
-    if request.corrections is not None:
-        for row in read_assignment(request.corrections, house_id=request.house):
-            rooms.setdefault(row.photo, []).append(row.room_id)
+    source = request.photo_table or request.corrections
+    for row in read_assignment(source, house_id=request.house) if source else ():
+        for name in request.views.get(row.photo, [row.photo]):
+            rooms.setdefault(name, []).append(row.room_id)
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow(["room_id", "photo"])
     table.writerows([room, name] for name in names for room in rooms.get(name, [""]))
-    return text.getvalue()
-
-
-def _table_of_views(request: SingleHouse) -> str:
-    """Return the text of the photo table, with views in place of the 360-degree photos."""
-    text = io.StringIO()
-    table = csv.writer(text, lineterminator="\n")
-    table.writerow(["room_id", "photo"])
-    for row in read_assignment(request.photo_table, house_id=request.house):
-        table.writerows([row.room_id, view] for view in request.views.get(row.photo, [row.photo]))
     return text.getvalue()
 
 
