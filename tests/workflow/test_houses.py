@@ -1,7 +1,8 @@
 """Good, odd and bad houses of one data set, made together: each fault is one clear line.
 
-Every case is a house of its own; all are run with ``--keep-going``: the odd one to its crops, one
-whose plan and method another package reads and has to its textures, the others to their plans.
+Every case is a house of its own; all are run with ``--keep-going``: the odd one, of unknown height,
+to its crops, one whose plan and method another package reads and has to its textures, the others to
+their plans.
 """
 
 import json
@@ -70,6 +71,7 @@ def odd(data, row):
     room = (data / row["assignment"]).read_text().splitlines()[1].split(",")[0]
     add_rows(data, row, *(f"{room},{name}" for name in BAD))
     row["photos"] = "|".join([*good, *BAD])
+    unmeasured(data / row["plan"])
 
 
 def add_rows(data, row, *lines):
@@ -120,7 +122,7 @@ def renamed(row, name, data):
 
 def unmeasured(path):
     """Turn a plan into one that tells no height of ceilings, in our own format."""
-    plan = house_to_plan(read_plan(path, "unmeasured"))
+    plan = house_to_plan(read_plan(path, "odd"))
     plan["heights"] = USUAL
     for room in plan["rooms"]:
         del room["height"]
@@ -143,10 +145,8 @@ def broken(tmp_path_factory, toy_site):
     for name, damage in {"odd": odd, **{name: case[0] for name, case in CASES.items()}}.items():
         rows.append(renamed(GOOD, name, data))
         damage(data, rows[-1])
-    rows.append(renamed(GOOD, "unmeasured", data))
-    unmeasured(data / rows[-1]["plan"])
     write_table(data, rows)
-    targets = [HOUSES / name / "scene.json" for name in ("traced", "unmeasured", *CASES)]
+    targets = [HOUSES / name / "scene.json" for name in ("traced", *CASES)]
     targets += [HOUSES / "odd" / name for name in ("crops.parquet", "contact_sheet.png")]
     targets.append(Path("results/tiny/drop_0.0/toy/toy/textures"))
     run = clone.snakemake("--keep-going", "--", *map(str, targets))
@@ -200,11 +200,11 @@ def test_a_plan_that_is_a_picture_is_traced_before_it_is_read(broken):
 
 
 def test_photos_tell_how_high_a_house_is_whose_plan_does_not(broken):
-    folder = broken[0].root / HOUSES / "unmeasured"
+    folder = broken[0].root / HOUSES / "odd"
     names = ("drawn.scene.json", "scene.json")
-    drawn_as, made = (read_scene_json(folder / name, "unmeasured") for name in names)
+    drawn_as, made = (read_scene_json(folder / name, "odd") for name in names)
     assert (drawn_as.heights, made.heights) == (USUAL, FROM_PHOTOS)
-    true = read_plan(DEMO / GOOD["plan"], "unmeasured").rooms[0].height
+    true = read_plan(DEMO / GOOD["plan"], "odd").rooms[0].height
     assert {room.height for room in drawn_as.rooms} == {2.8}
     assert made.rooms[0].height == pytest.approx(true, abs=0.08)
     # Houses whose plans tell their heights have no such job.

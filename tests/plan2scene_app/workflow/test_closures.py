@@ -17,7 +17,8 @@ def test_a_module_is_part_of_the_rules_that_it_can_change_alone():
     assert not [name for name in CLOSURES["textures"] if name.startswith("plan2scene.mesh")]
     # Each plan's own reader joins these by its suffix.
     assert "plan2scene_app.plan_formats.dxf" not in CLOSURES["floorplan"]
-    assert users("plan2scene_app.contact_sheet.sheet") == {"contact_sheet"}
+    for name in ("sheet", "panels"):
+        assert users(f"plan2scene_app.contact_sheet.{name}") == {"contact_sheet"}
     drawn = {"house", "pictures", "lit_house", "export_house", "study_house"}
     assert users("plan2scene.mesh.joinery") == drawn
 
