@@ -12,7 +12,11 @@ from plan2scene.errors import InputError
 #: Limits of time (seconds) and memory (bytes): tracing a picture takes 20 s and 0.7 GB.
 SECONDS, BYTES = 120.0, 4_000_000_000
 #: Modules that the fork server imports. Children are forked from it because it has no threads.
-_PRELOADED = ["plan2scene_app.editor.editor_page"]
+_PRELOADED = ["plan2scene_app.studio.plan_source", "plan2scene_app.tracing.drawings"]
+_PRELOADED += [
+    f"plan2scene_app.plan_formats.{name}"
+    for name in ("cubicasa", "dxf", "ifc", "roomplan", "sweet_home", "zind")
+]
 
 P = ParamSpec("P")
 T = TypeVar("T")
