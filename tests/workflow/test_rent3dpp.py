@@ -70,6 +70,7 @@ def test_one_command_makes_the_table(place):
     assert set(crops["photo"]) == set(photos_of(test))
     assert not (made / "houses" / test["house"] / "masks").exists()
     assert not (made / "drop_0.0/synth" / train["house"]).exists()
+    assert not (made / "texture_library.parquet").exists()  # no method of the table takes a tile
     state = torch.load(root / "propagation.ckpt", weights_only=True)["model_state_dict"]
     network, _ = load_propagation(made / "weights/propagation.safetensors")
     assert all(torch.equal(value, state[name]) for name, value in network.state_dict().items())

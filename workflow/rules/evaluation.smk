@@ -26,6 +26,7 @@ TABLE_MODELS = {
 }
 # Folder of tiles; its subfolders are {drop}/{method}/.
 COMPARED = f"{RESULTS}/houses/{{house}}/comparison"
+NEEDS_LIBRARY = any(TEXTURE_METHODS[name].library for name in METHODS)
 # Tiles of the 3D house, which are reused in the table if the table has their method.
 SHOWN = CHOSEN_TEXTURES if config["house"]["method"] in METHODS else None
 
@@ -33,7 +34,11 @@ SHOWN = CHOSEN_TEXTURES if config["house"]["method"] in METHODS else None
 rule table_textures:
     # Tiles by every method of the table at both drop fractions; the 3D house's tiles are copied.
     input:
-        **given(pool=POOL, shown=SHOWN),
+        **given(
+            pool=POOL,
+            shown=SHOWN,
+            library=NEEDS_LIBRARY and f"{RESULTS}/texture_library.parquet",
+        ),
         **made(TABLE_MODELS),
         scene=f"{RESULTS}/houses/{{house}}/scene.json",
         crops=f"{RESULTS}/houses/{{house}}/crops.parquet",
@@ -41,7 +46,6 @@ rule table_textures:
             f"{RESULTS}/drop_{drop}/{{house}}/propagated.parquet"
             for drop in TABLE_DROPS
         ],
-        library=f"{RESULTS}/texture_library.parquet",
     output:
         directory(COMPARED),
     log:
