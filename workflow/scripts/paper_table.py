@@ -1,7 +1,6 @@
 """Rule paper_table: metrics of all houses -> the paper's table 1."""
 
-from plan2scene.evaluation.paper_table import paper_table
-from plan2scene.evaluation.tables import TableRequest
+from plan2scene.evaluation.tables import TableRequest, paper_table
 from plan2scene_app.study.plots import plot_table
 from plan2scene_app.workflow.jobs import job
 

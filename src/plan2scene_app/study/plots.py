@@ -21,7 +21,7 @@ _MARKERS = "os^DvPX<"
 
 
 def plot_table(tidy: pd.DataFrame, output: str | Path) -> None:
-    """Write a PNG of the tidy table of :func:`plan2scene.evaluation.paper_table.paper_table`.
+    """Write a PNG of the tidy table of :func:`plan2scene.evaluation.tables.paper_table`.
 
     There is a panel per metric and a group of bars per column. Published values are drawn only
     if the same network made them, so that they are comparable.

@@ -6,9 +6,8 @@ from whole_sets import set_distances
 
 from plan2scene.errors import InputError
 from plan2scene.evaluation.measure import Networks, measure_tiles, reference_features
-from plan2scene.evaluation.paper_table import paper_table
 from plan2scene.evaluation.references import reference_images
-from plan2scene.evaluation.tables import TableRequest, published_value
+from plan2scene.evaluation.tables import TableRequest, paper_table, published_value
 from plan2scene.house import SurfaceKey
 from plan2scene.images import png_bytes
 from plan2scene.io import read_parquet, write_parquet

@@ -54,7 +54,7 @@ def seen_doors(
     `labels.palette`; `doors` (h', w') float is the door probability, at any resolution; `pose` is
     that of a located photo, or None; `shapes` are the house's rooms (`plan_view.room_shapes`).
     """
-    holes = {} if pose is None else dict(_holes_in_sight(labels, pose, shapes))
+    holes = {} if pose is None else dict(_holes_in_sight(pose, shapes))
     opened: set[str] = set()
     for leaf in _sure_leaves(labels, doors):
         beside = {name: _gap(leaf, places) for name, places in holes.items() if name not in opened}
@@ -77,7 +77,7 @@ def seen_doors(
 
 
 def _holes_in_sight(
-    labels: np.ndarray, pose: Pose, shapes: Mapping[str, RoomShape]
+    pose: Pose, shapes: Mapping[str, RoomShape]
 ) -> Iterator[tuple[str, np.ndarray]]:
     """Yield (opening id, visible pixels (n, 2)) of the doors of the pose's room."""
     shape = shapes[pose.room_id]

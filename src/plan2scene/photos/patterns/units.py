@@ -290,7 +290,7 @@ class _Rows(_Turned):
         line = np.where(
             enough, (self._across[:, part] * seen).sum(axis=1) / np.maximum(count, 1), 0.0
         )
-        places = comb(line, self._width, UNITS.loose)
+        places = comb(line, self._width)
         inside = [y for y in places if 0 <= y < len(enough) and enough[int(y)]]
         pairs = pairwise(inside)
         return [np.array(p) for p in pairs if abs((p[1] - p[0]) / self._width - 1) < 0.2]
@@ -356,7 +356,7 @@ class _Rows(_Turned):
         """Yield the first and last column of a row's units: all, or only those seen `whole`."""
         length = self._pattern.length_m * JOINTS.px_per_m
         if np.isfinite(length):
-            places = [round(x) for x in comb(np.where(good, ends, 0.0), length, UNITS.loose)]
+            places = [round(x) for x in comb(np.where(good, ends, 0.0), length)]
             pairs = list(pairwise(places))
         else:
             edges = np.flatnonzero(np.diff(np.r_[0, good.astype(int), 0]))
@@ -397,7 +397,7 @@ def _whole(ends: np.ndarray, left: int, right: int) -> bool:
     )
 
 
-def comb(line: np.ndarray, step: float, loose: float) -> list[float]:
+def comb(line: np.ndarray, step: float) -> list[float]:
     """Return the places of joints about `step` px apart, from the strength along a line (n,)."""
     starts = np.arange(0.0, step, 0.5)
     at = np.arange(len(line))
@@ -406,7 +406,7 @@ def comb(line: np.ndarray, step: float, loose: float) -> list[float]:
     first = starts[int(np.argmax(sums))]
     places = []
     for place in first + counts * step:
-        low, high = (round(place + way * loose * step) for way in (-1, 1))
+        low, high = (round(place + way * UNITS.loose * step) for way in (-1, 1))
         part = line[max(low, 0) : high + 1]
         if place > len(line) - 1 or not len(part):
             continue
