@@ -3,6 +3,8 @@ import os
 # Two test processes on two cores: threads that wait for each other take the core that the other
 # needs.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
+# The hundreds of processes that tests start find what the first of them compiled.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 
 #: Files that take a minute each, first: begun last, they would leave the other worker without work.

@@ -59,8 +59,9 @@ def demo_rows():
 def make_clone(root, rows, **changes):
     """Copy workflow and config to `root`, with those houses of the demo as its data set."""
     root.mkdir(parents=True, exist_ok=True)
+    ignore = shutil.ignore_patterns("*.egg-info", "*.pyc.*")  # nor what is being compiled now
     for name in ("workflow", "config", "envs", "src"):  # with what Python has compiled
-        shutil.copytree(ROOT / name, root / name, ignore=shutil.ignore_patterns("*.egg-info"))
+        shutil.copytree(ROOT / name, root / name, ignore=ignore)
     shutil.copy(ROOT / "Snakefile", root)
     (root / "profiles").symlink_to("workflow/profiles")
     (root / "resources").mkdir()

@@ -129,7 +129,7 @@ def job_files(tmp_path_factory):
     return tmp_path
 
 
-def _inputs(files, *, size_px=128, seam_correction=None, hidden=(), crop_pool=None, threads=1):
+def _inputs(files, *, size_px=64, seam_correction=None, hidden=(), crop_pool=None, threads=1):
     inputs = [files / f"{name}.parquet" for name in ("crops", "library", "patterns")]
     crops, library, patterns = (path if path.is_file() else None for path in inputs)
     house = HouseFiles("h1", files / "scene.json", crops, library, crop_pool, patterns=patterns)
@@ -249,8 +249,8 @@ def test_synth_large_has_the_statistics_of_the_selected_crop(files):
     own = mine.iloc[0]
     tone = np.median(image_from_bytes(own["png"]).reshape(-1, 3), axis=0) / 255
     _told(files, {"": tone}, source={"bed1/floor": own["crop_id"]})
-    plain, _ = _make(files, "synth", out="plain")
-    large, surfaces = _make(files, "synth-large", out="large")
+    plain, _ = _make(files, "synth", out="plain", size_px=SIZE)
+    large, surfaces = _make(files, "synth-large", out="large", size_px=SIZE)
     before, after = (read_image(f / "bed1_floor.png") for f in (plain, large))
     others = [image_from_bytes(png) for png in mine["png"][1:]]
     even = even_crop(image_from_bytes(own["png"]), others, tone, SIZE)

@@ -12,7 +12,7 @@ from plan2scene.plans.formats import read_plan
 from plan2scene_app.finishes import LIBRARY
 from plan2scene_app.studio import runs
 
-#: Stands for the workflow, which takes minutes: tells what it tells, makes a GLB of the plan.
+#: Stands for the workflow, which takes minutes: tells what it tells, makes what the page shows.
 TELL = """
 import json, sys
 def tell(event, **values):
@@ -28,8 +28,6 @@ def end(state):
 JOB = """
 from pathlib import Path
 from PIL import Image
-from plan2scene.plans.formats import (read_plan)
-from plan2scene.mesh.glb import (write_glb)
 home = Path(sys.argv[1])
 tell("planned", jobs=dict(floorplan=1, house=1))
 tell("started", rule="floorplan")
@@ -37,7 +35,7 @@ tell("finished", rule="floorplan")
 tell("started", rule="house")
 house = home / "house"
 (house / "textures").mkdir(parents=True, exist_ok=True)
-write_glb(read_plan(home / "plan.json", home.name), dict(), house / "house.glb")
+(house / "house.glb").write_bytes(b"glTF")
 (house / "viewer.html").write_text("<h1>the house</h1>")
 Image.new("RGB", (8, 8), "red").save(house / "textures" / "room_floor.png")
 tell("finished", rule="house")
