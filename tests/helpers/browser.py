@@ -41,6 +41,7 @@ def serious_violations(evaluate):
 
 def pages_and_photos(folder, *names):
     """Write two photos, and pages with one line, two lines, and so on."""
+    folder.mkdir(exist_ok=True)
     noise = np.random.default_rng(0).integers(0, 255, (90, 120, 3), np.uint8)
     for name in ("b.jpg", "floorplan.jpg"):
         Image.fromarray(noise).save(folder / name)

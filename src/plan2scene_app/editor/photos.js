@@ -2,6 +2,7 @@
 
 import { labelOf, labelsOf } from "./document.js";
 import { ask, button, el, isPicture, readPicture } from "./dom.js";
+import { isZip, unzipped } from "./zip.js";
 
 const THUMB = 240; // pixels
 
@@ -126,7 +127,11 @@ async function droppedFiles({ items, files }) {
 }
 
 /** Open files that were dropped or chosen together: a plan or its picture, a photo table, photos. */
-export async function takeFiles(app, files, room = null) {
+export async function takeFiles(app, given, room = null) {
+  const files = [];
+  for (const file of given) {
+    try { files.push(...(isZip(file) ? await unzipped(file) : [file])); } catch (error) { app.say(`${file.name}: ${error.message}`); return; }
+  }
   const isPhoto = (file) => isPicture(file) || /\.(hei[cf]|avif)$/i.test(file.name);
   let photos = files.filter(isPhoto);
   const empty = () => !app.store.state.plan.rooms.length && !app.picture;

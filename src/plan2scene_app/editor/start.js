@@ -2,6 +2,7 @@
 
 import { App } from "./app.js";
 import { takeFiles } from "./photos.js";
+import { isZip } from "./zip.js";
 
 const byId = (id) => document.getElementById(id);
 const json = (id) => JSON.parse(byId(id).textContent);
@@ -13,7 +14,7 @@ export function startEditor(start, host) {
   page.undo.addEventListener("click", () => app.store.undo());
   page.redo.addEventListener("click", () => app.store.redo());
   byId("save").addEventListener("click", () => host.save(app));
-  byId("open").addEventListener("click", () => app.pickFile("", (files) => (files.length === 1 ? app.openFile(files[0]) : takeFiles(app, files)), true));
+  byId("open").addEventListener("click", () => app.pickFile("", (files) => (files.length === 1 && !isZip(files[0]) ? app.openFile(files[0]) : takeFiles(app, files)), true));
   byId("fit").addEventListener("click", () => app.fit());
   byId("help").addEventListener("click", () => byId("keys").showModal());
   byId("feet").addEventListener("change", (event) => { app.feet = event.target.value === "feet"; app.changed(); });

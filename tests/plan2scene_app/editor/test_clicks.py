@@ -1,4 +1,5 @@
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -89,10 +90,12 @@ def test_a_plan_and_photos_dropped_together(drawing):
     assert drawing.photos == [{"name": name, "rooms": []} for name in ("bed.png", "hall.png")]
 
 
-def test_the_only_page_among_photos_is_the_plan(drawing, tmp_path):
-    pages_and_photos(tmp_path, "p07.png")
+@pytest.mark.parametrize("packed", [False, True])
+def test_the_only_page_among_photos_is_the_plan(drawing, tmp_path, packed):
+    pages_and_photos(home := tmp_path / "home", "p07.png")
+    archive = shutil.make_archive(str(home), "zip", tmp_path, "home")
     drawing.page.click("#open")
-    drawing.page.set_input_files("#file-input", sorted(tmp_path.iterdir()))
+    drawing.page.set_input_files("#file-input", archive if packed else sorted(home.iterdir()))
     drawing.page.wait_for_function("() => editor.store.state.photos.length === 2")
     assert sorted(photo["name"] for photo in drawing.photos) == ["b.jpg", "floorplan.jpg"]
 
