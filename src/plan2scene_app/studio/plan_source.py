@@ -30,6 +30,7 @@ from plan2scene_app.run import photos_in
 from plan2scene_app.studio.limited import limited
 from plan2scene_app.studio.projects import PICTURE, Project
 from plan2scene_app.tracing.drawings import page_of_storeys
+from plan2scene_app.tracing.picture import read_plan_picture
 
 SOURCE, READING = "plan_source", "plan_source.json"
 #: Allowed scales (metres per pixel or unit) and widths of a house (metres).
@@ -210,6 +211,7 @@ def _look(file: Path, house: str, values: Mapping[str, Any]) -> tuple[str, Unsca
     """Return a file's format and size; InputError if the user cannot set its scale or layers."""
     plan = PlanFile(file, house, dxf_layers=values["dxf_layers"])
     if plan.is_picture:
+        read_plan_picture(file)  # no scale helps to read what is no picture of a plan
         picture = values["picture"] or {}
         size = picture.get("size")
         return "picture", Unscaled("pixel", tuple(size) if size else None)

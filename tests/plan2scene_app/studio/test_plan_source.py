@@ -102,10 +102,11 @@ def test_values_that_others_broke_are_one_line_until_the_next_upload(project, br
     assert reading_of(project)["size"] == (800, 400)
 
 
-def test_what_is_no_plan_is_not_kept(project):
+@pytest.mark.parametrize("content", [b"no plan at all", b"\0\0\0 ftypmp42 a video"])
+def test_what_is_no_plan_is_not_kept(project, content):
     asked(project, svg())
     with pytest.raises(InputError) as found:
-        read_upload(project, b"no plan at all")
+        read_upload(project, content)
     assert not isinstance(found.value, UnreadPlanError)
     assert (project.path / "plan_source").read_bytes() == svg()
 
