@@ -47,6 +47,8 @@ try:
     HOUSES = list(
         TABLE.of_splits(config["dataset"]["splits"], config["dataset"]["houses"])
     )
+    for name in config["floorplans"]["names"] or {}:
+        TABLE[name]  # a name of an unknown house is a typing error
     CROPS = config["crops"] | chosen_crops(LAYOUT, config["crops"])
     check_checkpoints(config)
     # The photos that the data set itself hides at each drop fraction; None if it does not say.
