@@ -19,6 +19,11 @@ from types import FrameType
 
 from plan2scene.errors import WorkflowError
 
+
+class EndedError(WorkflowError):
+    """A signal asked this process to end."""
+
+
 #: Signals that ask a process to end (SIGHUP is not on Windows).
 _SIGNALS = [
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
@@ -32,7 +37,7 @@ def run_bound(
 ) -> int:
     """Run a command that ends when this process ends; return its exit code.
 
-    If a signal asks this process to end, the command is ended first; then WorkflowError is raised.
+    If a signal asks this process to end, the command is ended first; then EndedError is raised.
     `stderr` is passed to :class:`subprocess.Popen`.
     """
     bound = [sys.executable, "-m", "plan2scene_app.bound_process", *command]
@@ -57,7 +62,7 @@ def run_bound(
 
 @contextmanager
 def _signals_as_errors() -> Iterator[None]:
-    """Raise WorkflowError at the first signal that asks to end; later signals are ignored."""
+    """Raise EndedError at the first signal that asks to end; later signals are ignored."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -67,7 +72,7 @@ def _signals_as_errors() -> Iterator[None]:
         told.append(number)
         if len(told) == 1:
             name = signal.Signals(number).name
-            raise WorkflowError(f"ended by {name}; the same command goes on from there")
+            raise EndedError(f"ended by {name}; the same command goes on from there")
 
     before = {number: signal.signal(number, tell) for number in _SIGNALS}
     try:

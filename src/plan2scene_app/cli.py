@@ -10,7 +10,7 @@ import sys
 from collections.abc import Iterable
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -18,6 +18,9 @@ from plan2scene.errors import InputError, WorkflowError, one_line_errors
 from plan2scene.provenance import package_versions
 from plan2scene.textures.methods import texture_methods
 from plan2scene_app.exports.registry import export_house, exports
+
+if TYPE_CHECKING:
+    from plan2scene_app.run import SingleHouse
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
 
@@ -112,13 +115,13 @@ def common(
 
 @app.command("run")
 def run_house(
+    out: Annotated[Path, typer.Option(help="Folder for the results.")],
     plan: Annotated[
-        list[Path],
+        list[Path] | None,
         typer.Option(
             help="Floorplan in any format that is read. Give pictures of single storeys one by one."
         ),
-    ],
-    out: Annotated[Path, typer.Option(help="Folder for the results.")],
+    ] = None,
     photos: Annotated[
         Path | None,
         typer.Option(
@@ -128,6 +131,10 @@ def run_house(
     photos_dir: Annotated[
         Path | None,
         typer.Option(help="Folder, ZIP or PDF of the table's photos; default: beside it."),
+    ] = None,
+    homes: Annotated[
+        Path | None,
+        typer.Option(help="Many homes: a folder with a folder or ZIP of plan and photos for each."),
     ] = None,
     method: _Method = "exemplar",
     cores: Annotated[int, typer.Option(min=1)] = 2,
@@ -156,21 +163,26 @@ def run_house(
         bool, typer.Option("--verbose", "-v", help="All that Snakemake says.")
     ] = False,
 ) -> None:
-    """Make one textured house from a plan and photos."""
+    """Make a textured house from a plan and photos; with --homes, many."""
     from plan2scene_app.packed_photos import is_packed
     from plan2scene_app.run import SingleHouse, run
 
     printed = "quiet" if quiet else "verbose" if verbose else "lines"
+    if bool(plan) == bool(homes):
+        raise InputError("--plan, or --homes", "both" if plan else "neither")
+    if homes and (photos or photos_dir or house or metres_per_pixel):
+        raise InputError("options of every home with --homes", "one of a single home")
     folder = photos is not None and (photos.is_dir() or is_packed(photos))
     if folder and photos_dir is not None:
         raise InputError("a photo table with --photos-dir", "photos themselves", file=photos)
+    first, *storeys = plan or [Path("plan")]
     request = SingleHouse(
-        plan=plan[0],
-        storeys=tuple(plan[1:]),
+        plan=first,
+        storeys=tuple(storeys),
         photo_table=None if folder else photos,
         photos_dir=photos if folder else photos_dir,
-        house=_house_id(plan[0], house),
-        name=house or _house_name(plan[0], out),
+        house=_house_id(first, house),
+        name=house or _house_name(first, out),
         method=method,
         metres_per_pixel=metres_per_pixel,
         seed=seed,
@@ -180,6 +192,8 @@ def run_house(
         dxf_layers=_layers(dxf_layer),
         fov_deg=fov,
     )
+    if homes:
+        raise typer.Exit(_run_homes(homes, out, request, cores, printed))
     made = run(request, out, cores=cores, printed=printed)
     for name, path in made.items():
         print(f"{name}: {path}")
@@ -188,19 +202,39 @@ def run_house(
         print(f"open in a browser: {', '.join(pages)}")
 
 
+def _run_homes(folder: Path, out: Path, request: SingleHouse, cores: int, printed: str) -> int:
+    """Make all homes of a folder; list at the end which failed and why. Return the exit code."""
+    from plan2scene_app.homes import failure_of_home, homes_in
+
+    homes = homes_in(folder, out)
+    failed = []
+    for number, (name, home) in enumerate(homes.items(), 1):
+        print(f"home {number} of {len(homes)}: {name}", flush=True)
+        if why := failure_of_home(home, out / name, request, cores=cores, printed=printed):
+            failed.append(f"{name} failed: {why}")
+            print(failed[-1], flush=True)
+    print(f"{len(homes) - len(failed)} of {len(homes)} homes are made in {out}", *failed, sep="\n")
+    return 1 if failed else 0
+
+
 @app.command("check")
 def check(
-    target: Annotated[Path, typer.Argument(help="A data set's folder, or a plan.")],
+    target: Annotated[
+        Path, typer.Argument(help="A data set's folder, a plan, or what `plan2scene run` made.")
+    ],
     metres_per_pixel: _Scale = None,
     dxf_layer: _Layers = None,
 ) -> None:
-    """Report the problems of a data set or a plan; nothing is run."""
+    """Report the problems of a data set, a plan or a home; nothing is run."""
     from plan2scene_app.check import check_dataset, check_plan
+    from plan2scene_app.out_folder import DATASET_FOLDER, WORK, is_out_folder
 
     layers = _layers(dxf_layer)
 
     if not target.exists():
         raise InputError("a data set's folder or a plan", "no such file or folder", file=target)
+    if is_out_folder(target):
+        target = target / WORK / DATASET_FOLDER
     if target.is_dir():
         problems = check_dataset(target, metres_per_pixel=metres_per_pixel, dxf_layers=layers)
     else:

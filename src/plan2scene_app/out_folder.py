@@ -22,6 +22,8 @@ from plan2scene.io import atomic_directory, atomic_path, read_json, write_json
 _LOG = logging.getLogger("plan2scene")
 #: Folder below the results where the workflow runs.
 WORK = "work"
+#: Folder in the work folder with the data set of this house: copies of what the user gave.
+DATASET_FOLDER = "dataset"
 #: File in the work folder that lists what runs delivered; all other files are the user's.
 _RECORD = "delivered.json"
 #: Lock file in the work folder, held during a run; the system frees it when the run has ended.

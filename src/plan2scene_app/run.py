@@ -27,7 +27,7 @@ from plan2scene.provenance import WORKFLOW
 from plan2scene_app.bound_process import run_bound
 from plan2scene_app.check import photo_problem
 from plan2scene_app.finishes import finishes_file, read_finishes
-from plan2scene_app.out_folder import OutFolder, changed_by_hand, claimed_folder
+from plan2scene_app.out_folder import DATASET_FOLDER, OutFolder, changed_by_hand, claimed_folder
 from plan2scene_app.packed_photos import photo_files, unpacked
 from plan2scene_app.panoramas import FOV_DEG, cut_panoramas, panorama_of
 from plan2scene_app.tracing.picture import paper_share, read_plan_picture
@@ -200,7 +200,7 @@ def photos_in(folder: Path, plans: Collection[Path]) -> list[str]:
         elif stem in photo_by_stem:
             why = "has the same name before the extension"
             _LOG.warning("photo %s left out: %s %s", name, photo_by_stem[stem], why)
-        elif _is_page(path):
+        elif is_page(path):
             why = "a drawing or a page, no photo; a photo table that names it keeps it"
             _LOG.warning("photo %s left out: %s", name, why)
         else:
@@ -210,7 +210,7 @@ def photos_in(folder: Path, plans: Collection[Path]) -> list[str]:
     return sorted(photo_by_stem.values())
 
 
-def _is_page(path: Path) -> bool:
+def is_page(path: Path) -> bool:
     """Return whether a file is a picture that is mostly paper; False if it cannot be read."""
     try:
         image = decode_image(path, partial(to_small_srgb, side=SETTINGS.page_side_px))
@@ -238,7 +238,7 @@ def prepare(request: SingleHouse, names: list[str], work: Path) -> Path:
 
     Photos that are missing are not copied; the house is made without them.
     """
-    root = work / "dataset"
+    root = work / DATASET_FOLDER
     photos = root / "photos"
     photos.mkdir(parents=True, exist_ok=True)
     suffix = ".png" if is_picture(request) else request.plan.suffix or ".json"

@@ -73,6 +73,10 @@ def test_check_tells_errors_by_its_exit_code_and_of_a_picture_that_it_is_traced(
     (tmp_path / "cut.png").write_bytes((tmp_path / "plan.png").read_bytes()[:60])
     code, output = call("check", tmp_path / "cut.png")
     assert code == 1 and "error: file" in output
+    for name, text in (("lock", ""), ("dataset/houses.tsv", "house\n")):  # of a run's output
+        (tmp_path / "work" / name).parent.mkdir(exist_ok=True, parents=True)
+        (tmp_path / "work" / name).write_text(text)
+    assert "dataset/houses.tsv: expected the columns" in call("check", tmp_path)[1]
 
 
 def test_run_refuses_before_any_work_what_it_cannot_use(tmp_path, monkeypatch, capsys):

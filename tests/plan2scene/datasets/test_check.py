@@ -45,17 +45,21 @@ def dataset(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "text",
+    ("text", "room"),
     [
-        "room_id,photo\na,one.jpg\na,two.jpg\n",
-        "roomId;Photo\r\na;one.jpg\r\nA;two.jpg\r\n",
-        "\ufeffphoto,room_id\none.jpg,a\ntwo.jpg,a\n",
-        "index,room_id, photo \n0,a, one.jpg\n\n1,a,two.jpg\n2,a,one.jpg\n",
+        ("room_id,photo\na,one.jpg\na,two.jpg\n", "a"),
+        ("roomId;Photo\r\na;one.jpg\r\nA;two.jpg\r\n", "a"),
+        ("\ufeffphoto,room_id\none.jpg,a\ntwo.jpg,a\n", "a"),
+        ("index,room_id, photo \n0,a, one.jpg\n\n1,a,two.jpg\n2,a,one.jpg\n", "a"),
+        ("photo\none.jpg\ntwo.jpg\n", ""),
+        ("photo,room_id\none.jpg\ntwo.jpg\n", ""),
     ],
 )
-def test_assignment_headers(tmp_path, text):
-    rows = read_assignment(table(tmp_path, text), small_house())
-    assert rows == (PhotoAssignment("a", "one.jpg"), PhotoAssignment("a", "two.jpg"))
+def test_assignment_headers_and_tables_without_rooms(tmp_path, text, room):
+    path, names = table(tmp_path, text), ("one.jpg", "two.jpg")
+    assert read_assignment(path, small_house()) == tuple(PhotoAssignment(room, n) for n in names)
+    rooms = [room] if room else []
+    assert rooms_of_photos(path, small_house()) == dict.fromkeys(names, rooms)
 
 
 def test_rooms_of_photos(tmp_path, caplog):
@@ -67,30 +71,6 @@ def test_rooms_of_photos(tmp_path, caplog):
     read_assignment(path, house, traced=True)
     assert "found 'b' for photo x.jpg; looked for" in caplog.text
     assert rooms_of_photos(None, house) == {}
-
-
-@pytest.mark.parametrize(
-    ("text", "line"),
-    [
-        ("room_id,photo\ncellar,one.jpg\n", ", house h1, room cellar: expected a room of the plan"),
-        ("room_id,photo\na,../one.jpg\n", ", house h1: expected a plain file name without '..'"),
-        ("room_id,photo\na,one.jpg\na,one.png\n", ", house h1: expected photo names that differ"),
-        ("room,photo\na,one.jpg\n", ", house h1: expected columns room_id and photo"),
-        ("room_id,photo\na\n", ", house h1: expected a photo in each row, found row 2: a"),
-    ],
-)
-def test_line_of_a_bad_table(tmp_path, text, line):
-    path = table(tmp_path, text)
-    with pytest.raises(InputError) as caught:
-        read_assignment(path, small_house())
-    assert str(caught.value).startswith(f"file {path}{line}")
-
-
-@pytest.mark.parametrize("text", ["photo\none.jpg\n", "photo,room_id\none.jpg\n"])
-def test_a_table_need_not_name_rooms(tmp_path, text):
-    path = table(tmp_path, text)
-    assert read_assignment(path, small_house()) == (PhotoAssignment("", "one.jpg"),)
-    assert rooms_of_photos(path, small_house()) == {"one.jpg": []}
 
 
 def test_import_stops_at_a_bad_table(tmp_path, caplog):
@@ -111,6 +91,11 @@ def test_import_stops_at_a_bad_table(tmp_path, caplog):
 @pytest.mark.parametrize(
     ("text", "line"),
     [
+        ("room_id,photo\ncellar,one.jpg\n", "house h1, room cellar: expected a room of the plan"),
+        ("room_id,photo\na,../one.jpg\n", "house h1: expected a plain file name without '..'"),
+        ("room_id,photo\na,one.jpg\na,one.png\n", "house h1: expected photo names that differ"),
+        ("room,photo\na,one.jpg\n", "house h1: expected columns room_id and photo"),
+        ("room_id,photo\na\n", "house h1: expected a photo in each row, found row 2: a"),
         ("", "expected the columns house, split, plan"),
         ("house,split\nh1,test\n", "expected the columns house, split, plan"),
         (HEADER.strip() + "\tnote\n", "photos, note"),
@@ -124,10 +109,10 @@ def test_import_stops_at_a_bad_table(tmp_path, caplog):
         (HEADER + "h1\ttest\tp\t\t\tmore\n", "expected 5 cells in each row, found 6 in row 2"),
     ],
 )
-def test_bad_house_table(tmp_path, text, line):
-    path = table(tmp_path, text, "houses.tsv")
+def test_line_of_a_bad_table(tmp_path, text, line):
+    path = table(tmp_path, text)
     with pytest.raises(InputError) as caught:
-        read_table(path)
+        read_assignment(path, small_house()) if text.startswith("room") else read_table(path)
     assert str(caught.value).startswith(f"file {path}") and line in str(caught.value)
 
 
