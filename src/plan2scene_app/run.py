@@ -17,7 +17,7 @@ from typing import Any
 
 from plan2scene.datasets.assignments import read_assignment
 from plan2scene.errors import InputError, WorkflowError
-from plan2scene.images import decode_image, png_bytes, to_small_srgb
+from plan2scene.images import MAX_PHOTO_PIXELS, decode_image, png_bytes, to_small_srgb
 from plan2scene.io import absent, atomic_path, safe_join, write_text
 from plan2scene.photos.labels.imagenet import imagenet_installed
 from plan2scene.plans.formats import read_plan
@@ -189,7 +189,8 @@ def photos_in(folder: Path, plans: Collection[Path]) -> list[str]:
         raise InputError("a folder of photos, or a photo table", absent(folder), file=folder)
     files = photo_files(folder)
     photo_by_stem: dict[str, str] = {}
-    for name, path in files.items():
+    # Of files that differ in their extension alone, the photo counts, not its video or raw data.
+    for name, path in sorted(files.items(), key=lambda item: -_pixels(item[1])):
         if any(map(path.samefile, plans)):
             continue
         photos = photo_by_stem.values()
@@ -208,6 +209,17 @@ def photos_in(folder: Path, plans: Collection[Path]) -> list[str]:
     if not photo_by_stem:
         raise InputError("a folder of photos", "no photo in it", file=folder)
     return sorted(photo_by_stem.values())
+
+
+def _pixels(path: Path) -> int:
+    """Return the number of a photo's pixels; 0 if it cannot be read."""
+    try:
+        photo_problem(path)
+        return decode_image(
+            path, lambda image: image.width * image.height, max_pixels=MAX_PHOTO_PIXELS
+        )
+    except InputError:
+        return 0
 
 
 def is_page(path: Path) -> bool:

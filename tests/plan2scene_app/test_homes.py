@@ -10,9 +10,7 @@ from plan2scene_app.bound_process import EndedError
 from plan2scene_app.cli import app
 
 
-def test_the_plan_of_each_home_is_found_and_one_that_fails_does_not_stop_others(
-    tmp_path, monkeypatch
-):
+def test_plans_are_found_and_a_home_that_fails_stops_no_other(tmp_path, monkeypatch):
     storeys = ["plan_first_floor.png", "plan_ground_floor.png"]
     pages = {"a b": ["p07.png"], "fails": ["Grundriss.png", "map.png"], "storeys": storeys}
     for name, names in (pages | {"drawn": ["p07.png"], ".hidden": []}).items():

@@ -58,8 +58,7 @@ def dataset(tmp_path):
 def test_assignment_headers_and_tables_without_rooms(tmp_path, text, room):
     path, names = table(tmp_path, text), ("one.jpg", "two.jpg")
     assert read_assignment(path, small_house()) == tuple(PhotoAssignment(room, n) for n in names)
-    rooms = [room] if room else []
-    assert rooms_of_photos(path, small_house()) == dict.fromkeys(names, rooms)
+    assert rooms_of_photos(path, small_house()) == dict.fromkeys(names, [room] if room else [])
 
 
 def test_rooms_of_photos(tmp_path, caplog):

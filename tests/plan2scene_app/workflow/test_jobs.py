@@ -11,9 +11,6 @@ def test_a_fault_of_the_input_is_one_line_and_exit_code_1(tmp_path, capsys):
     line = "file a.jpg, house h, room r: expected a photo, found no such file"
     assert stop.value.code == 1 and log.read_text() == f"ERROR {line}\n"
     assert capsys.readouterr().err == f"ERROR {line}\n"
-
-
-def test_line_breaks_of_strangers_stay_one_line():
     text = str(InputError("x", "two\nlines\x1b[31m", file="a\nb"))
     assert "\n" not in text and "\x1b" not in text
 
