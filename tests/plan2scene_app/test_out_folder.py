@@ -69,8 +69,7 @@ def test_an_input_or_a_file_in_the_way_is_refused(tmp_path, name):
 def test_a_second_run_is_refused_while_the_first_or_its_child_lives(tmp_path):
     lock = tmp_path / "work" / ".snakemake" / "locks" / "0.output.lock"
     with claimed_folder(tmp_path, NAMES, []) as folder:
-        lock.parent.mkdir(parents=True)
-        lock.write_text("of Snakemake")
+        lock.mkdir(parents=True)
         child = subprocess.Popen(
             [sys.executable, "-c", "input()"], stdin=subprocess.PIPE, pass_fds=(folder.lock,)
         )

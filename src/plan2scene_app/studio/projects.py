@@ -206,7 +206,7 @@ class Projects:
     def get(self, name: str) -> Project:
         """Return a project; InputError if there is none with that name."""
         if name not in self.names():
-            raise InputError("a project", "none of this name")
+            raise InputError(f"a home in {self.root}", f"no {name}: was it moved or deleted?")
         return Project(self.root / name)
 
     def make(self, name: str) -> Project:

@@ -112,7 +112,7 @@ def test_names_and_links_of_projects(tmp_path):
         made = projects.make(name)
         assert (made.name, made.title, made.path.parent) == (own, name, tmp_path / "homes")
     for name in ("..", "link", "other"):
-        with pytest.raises(InputError):
+        with pytest.raises(InputError, match="moved or deleted"):
             projects.get(name)
 
 
