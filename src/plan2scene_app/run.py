@@ -142,6 +142,8 @@ def read_input(request: SingleHouse) -> list[str]:
         rows = read_assignment(request.photo_table, house, house_id=request.house)
         names = sorted({row.photo for row in rows})
     elif request.photos_dir is not None:
+        if request.corrections is not None and house is not None:
+            read_assignment(request.corrections, house, house_id=request.house)
         names = photos_in(request.photos_dir, plan_files(request))
     else:
         return []

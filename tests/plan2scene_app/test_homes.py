@@ -18,7 +18,6 @@ def test_plans_are_found_and_a_home_that_fails_stops_no_other(tmp_path, monkeypa
     (tmp_path / "bad").mkdir()
     shutil.copy(PLAN, tmp_path / "drawn" / "plan.json")
     shutil.make_archive(str(tmp_path / "zipped"), "zip", tmp_path / ".hidden")
-    (tmp_path / "drawn" / "film.mp4").write_bytes(b"\0\0\0 ftypmp42")
     (tmp_path / "out" / "a b").mkdir(parents=True)
     made = {}
 

@@ -70,9 +70,8 @@ def test_a_second_run_is_refused_while_the_first_or_its_child_lives(tmp_path):
     lock = tmp_path / "work" / ".snakemake" / "locks" / "0.output.lock"
     with claimed_folder(tmp_path, NAMES, []) as folder:
         lock.mkdir(parents=True)
-        child = subprocess.Popen(
-            [sys.executable, "-c", "input()"], stdin=subprocess.PIPE, pass_fds=(folder.lock,)
-        )
+        code = [sys.executable, "-c", "input()"]
+        child = subprocess.Popen(code, stdin=subprocess.PIPE, pass_fds=(folder.lock,))
         refused(tmp_path, "a run that is under way")
     refused(tmp_path, "a run that is under way")
     child.kill()

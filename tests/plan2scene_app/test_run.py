@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 from places import PLAN
 
+from plan2scene.errors import InputError
 from plan2scene_app import run as runs
 from plan2scene_app.run import SingleHouse, prepare
 
@@ -78,6 +79,8 @@ def test_a_table_names_the_views_of_a_panorama(given, tmp_path):
     prepare(asked, ["b.jpg", "c.jpg"], tmp_path)
     rows = (tmp_path / "dataset" / "photoroom.csv").read_text().splitlines()
     assert rows == ["room_id,photo", "bath,b.jpg", ",c.jpg"]
+    with pytest.raises(InputError, match=r"1/photos\.csv, .* room bath: expected a room of the"):
+        runs.read_input(replace(asked, plan=PLAN))
 
 
 @pytest.mark.parametrize(("installed", "masks"), [(True, "imagenet"), (False, "embedded")])

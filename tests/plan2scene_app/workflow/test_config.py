@@ -34,7 +34,6 @@ def test_every_config_file_is_valid(path):
             for key in ("photos.fov_deg", "crops.metres.0", "photos.camera_height_m")
             for value in (math.nan, math.inf, -math.inf)
         ),
-        # What Snakemake could not take.
         *(("dataset.root", v, r"\.root: .*braces or control") for v in ("a{x}", "a\0b", "a\nb")),
     ],
 )

@@ -11,8 +11,7 @@ def test_a_fault_of_the_input_is_one_line_and_exit_code_1(tmp_path, capsys):
     line = "file a.jpg, house h, room r: expected a photo, found no such file"
     assert stop.value.code == 1 and log.read_text() == f"ERROR {line}\n"
     assert capsys.readouterr().err == f"ERROR {line}\n"
-    text = str(InputError("x", "two\nlines\x1b[31m", file="a\nb"))
-    assert "\n" not in text and "\x1b" not in text
+    assert str(InputError("x", "two\nlines\x1b[31m", file="a\nb")).isprintable()
 
 
 def test_a_full_disk_is_one_line(tmp_path, capfd):
