@@ -232,7 +232,9 @@ def cancel(project: Project) -> None:
         _signal(member, kill=True)
     psutil.wait_procs(alive, timeout=_GRACE)
     time.sleep(0.05)
-    write_json(project.path / RECORD, _record(project) | {"state": "cancelled"})
+    record = _record(project)
+    if record.get("pid") == process.pid:  # the owner may have gone on in the meantime
+        write_json(project.path / RECORD, record | {"state": "cancelled"})
 
 
 def _is_starting(project: Project) -> bool:
