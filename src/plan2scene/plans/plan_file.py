@@ -91,7 +91,7 @@ class PlanFile:
         try:
             return "" if self.binary else read_text(self.path)
         except InputError as error:
-            if b"SECTION" in self.head.split()[:40]:  # its reader knows the code pages of DXF
+            if b"SECTION" in self.head:  # its reader knows the code pages of DXF
                 return ""
             raise self.fault(error.expected, error.found) from None
 

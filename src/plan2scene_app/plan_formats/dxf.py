@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 from shapely.affinity import affine_transform
 from shapely.geometry import LineString, Point, Polygon, box
+from shapely.strtree import STRtree
 
 from plan2scene.errors import InputError
 from plan2scene.house import USUAL, House
@@ -69,6 +70,8 @@ LAYERS = {
     "windows": "*window*,*fenster*,*fen[eê]tre*,*ventana*,*finestra*,*raam*,*glaz*",
     "walls": "*wall*,*wand*,*w[aä]nde*,*mauer*,mur*,*[!a-z]mur*,*muro*,*parete*,*muur*",
 }
+#: Patterns of names of layers and blocks of tags, texts and hatches, which are none of these kinds.
+NOTES = "*-iden*,*-dims*,*-patt*,*-symb*,*-text*,*-note*,*tag,*label*,*stempel*,*beschrift*"
 #: Largest number of letters of a pattern.
 MAX_PATTERN = 300
 
@@ -98,7 +101,7 @@ class LayerKinds:
     """Finds the kind (of `LAYERS`) that a layer's name means; `layers` replaces our patterns."""
 
     def __init__(self, source: Source, layers: Mapping[str, str]) -> None:
-        self.patterns: dict[str, list[str]] = {}
+        self.patterns = {} if layers else {"": NOTES.split(",")}
         self._known: dict[str, str] = {}
         for kind in ("doors", "windows", "rooms", "walls"):
             text = layers.get(kind) or LAYERS[kind]
@@ -122,6 +125,29 @@ class LayerKinds:
     def of(self, entity: Any) -> str:
         """Return an entity's kind by its block's name, else by its layer's; empty for none."""
         return next((kind for name in names_of(entity) if (kind := self.of_name(name))), "")
+
+
+class ShownKinds:
+    """Finds the kinds of a document's entities; None for those that its layers hide."""
+
+    def __init__(self, document: Any, kinds: LayerKinds) -> None:
+        layers = {str(layer.dxf.name).casefold(): layer for layer in document.layers}
+        self.kinds = kinds
+        self.frozen = {name for name, layer in layers.items() if layer.is_frozen()}
+        self.hidden = {name for name, layer in layers.items() if layer.is_off()} | self.frozen
+        xrefs = {str(b.block.dxf.xref_path) for b in document.blocks if b.block and b.block.is_xref}
+        self.left_out = {f"xref {name}" for name in xrefs}
+        if not len(document.modelspace()):
+            self.left_out |= {f"layout {name}" for name in document.layout_names_in_taborder()[1:]}
+
+    def of(self, entity: Any) -> str | None:
+        """Return an entity's kind; blocks on layers that are off may have parts on others."""
+        layer, kind = str(entity.dxf.get("layer", "0")), self.kinds.of(entity)
+        whole = entity.dxftype() != "INSERT" or kind in ("doors", "windows")
+        if layer.casefold() not in (self.hidden if whole else self.frozen):
+            return kind
+        self.left_out.add(f"layer {layer} (off or frozen)")
+        return None
 
 
 #: Largest number of points of one curve.
@@ -232,11 +258,22 @@ def house_of_dxf(
     source = Source(str(path), house_id)
     document = load_dxf(source, path)
     kinds = LayerKinds(source, layers or {})
-    entities = list(each_entity(source, document.modelspace(), kinds.of))
-    leaves = leaves_of(entity for entity, _ in entities)
+    shown = ShownKinds(document, kinds)
+    entities = list(each_entity(source, document.modelspace(), shown.of))
+    left_out = f"{', '.join(sorted(shown.left_out)[:5])} left out"
+    if shown.left_out:
+        source.warn("everything shown, in this file's model space", left_out)
+    blocks = [entity for entity, kind in entities if kind == "doors"]
+    parts = each_entity(source, [e for e in blocks if e.dxftype() == "INSERT"], lambda _: "")
+    leaves = leaves_of(entity for entity, _ in (*entities, *parts))
     metres = metres_per_unit or _unit(source, document, leaves)
     drawing = _Drawing(source, document, metres, entities, leaves)
-    house = house_of_drawing(source, drawing.read())
+    try:
+        house = house_of_drawing(source, drawing.read())
+    except InputError as error:
+        if not shown.left_out:
+            raise
+        raise source.fault(error.expected, f"{error.found}; {left_out}") from None
     printed = None if metres_per_unit else drawing.printed_unit(house)
     if printed is None:
         return house
@@ -307,6 +344,7 @@ class _Drawing:
         self.entities, self.leaves = entities, leaves
         self.curves = Curves(source, document, metres)
         self.written: list[tuple[str, Point]] = []
+        self.doors: list[Segment] = []  # those of the leaves
 
     def read(self) -> Drawing:
         """Return the drawing: rooms with their names, walls and openings."""
@@ -320,11 +358,11 @@ class _Drawing:
             if entity.dxftype() == "INSERT":
                 area = self.curves.block_area(entity)
                 marks += [] if area is None else [(kind, area, self._place(entity))]
-            elif entity.dxftype() in ("TEXT", "MTEXT"):
+            elif entity.dxftype() in ("TEXT", "MTEXT", "ATTRIB"):
                 self.written += self._text(entity)
             elif entity.dxftype() == "HATCH" and kind:
                 hatches[kind] += self.curves.borders(entity)
-            elif entity.dxftype() in CURVES and id(entity) not in swung:
+            elif entity.dxftype() in CURVES and (kind == "doors" or id(entity) not in swung):
                 line = self.curves.line(entity)
                 if line is None or line.length == 0:
                     continue
@@ -351,13 +389,12 @@ class _Drawing:
             }
             for group in (lines, lines_by_layer)
         )
-        doors: list[Segment] = []
         for leaf in self.leaves:
             ends = [(x * self.metres + shift[0], shift[1] - y * self.metres) for x, y in leaf.ends]
-            name = f"leaf_{len(doors)}"
-            doors.append(Segment(name, "door", ends[0], ends[1], *HEIGHTS["door"]))
+            name = f"leaf_{len(self.doors)}"
+            self.doors.append(Segment(name, "door", ends[0], ends[1], *HEIGHTS["door"]))
         names = [(text, place) for text, place in self.written if _LETTERS.search(text)]
-        return self._unlayered(self._drawing(moved, marks, names), left, marks, doors, names)
+        return self._unlayered(self._drawing(moved, marks, names), left, marks, names)
 
     def printed_unit(self, house: House) -> float | None:
         """Return the unit by the areas written in rooms; None if they fit already or are few."""
@@ -381,7 +418,6 @@ class _Drawing:
         named: Drawing,
         others: Mapping[str, list[LineString]],
         marks: list[_Mark],
-        doors: list[Segment],
         names: list[tuple[str, Point]],
     ) -> Drawing:
         """Return the drawing by its layers' names, or by the other layers if these show more."""
@@ -389,6 +425,10 @@ class _Drawing:
             return named
         trial = replace(named, axes=list(named.axes), openings=list(named.openings))
         faces = closed_rooms(replace(self.source, warnings=[]), trial) if named.axes else []
+        if not named.rooms:
+            for face in faces:
+                trial.rooms.append(self._room([ring.coords[:-1] for ring in _rings(face)], names))
+            named = trial
         if faces and bordering_share(named.axes, faces) >= SETTINGS.bordering:
             return named
         floor = max(named.floor(), sum(face.area for face in faces))
@@ -404,7 +444,7 @@ class _Drawing:
             found = f"none; {len(by_layer)} outlines on {len(alone)} layers ({layers} ...)"
             self.source.warn("layers of rooms", found)
             return drawing
-        reading = rooms_of_lines(self.source, others, doors, [place for _, place in names])
+        reading = rooms_of_lines(self.source, others, self.doors, [place for _, place in names])
         if reading is None or sum(face.area for face in reading.faces) <= DXF.more * floor:
             if not faces and not named.rooms and others:
                 layers = ", ".join(sorted(others, key=lambda k: -len(others[k]))[:8])
@@ -464,9 +504,14 @@ class _Drawing:
             for a, b in zip(room.rings[0], room.rings[0][1:] + room.rings[0][:1], strict=True)
         ]
         nearest = NearestAxis(drawing.axes or outlines)
+        leaves = STRtree([LineString([door.start, door.end]) for door in self.doors])
         for kind, area, anchor in marks:
             name = f"opening_{len(drawing.openings)}"
-            segment = nearest.edge_segment(area, name, kind[:-1], anchor)
+            within = leaves.query(area.buffer(SETTINGS.touch), predicate="contains")
+            if kind == "doors" and len(within) == 1:
+                segment = replace(self.doors[within[0]], id=name)
+            else:
+                segment = nearest.edge_segment(area, name, kind[:-1], anchor)
             if segment is None:
                 continue
             width = float(np.hypot(*np.subtract(segment.end, segment.start)))
@@ -480,15 +525,20 @@ class _Drawing:
 
     def _text(self, entity: Any) -> list[tuple[str, Point]]:
         """Return [(words, place)] of a text entity; empty if it has no place."""
-        text = entity.plain_text() if entity.dxftype() == "MTEXT" else entity.dxf.get("text", "")
-        text = " ".join(str(text).split())[:100]
+        is_lines = entity.dxftype() == "MTEXT"
+        lines = entity.plain_text(split=True) if is_lines else [entity.dxf.get("text", "")]
         place = self._place(entity)
-        return [(text, place)] if place is not None else []
+        texts = [" ".join(str(line).split())[:100] for line in lines]
+        return [(text, place) for text in texts] if place is not None else []
 
     def _place(self, entity: Any) -> Point | None:
         """Return the insertion point of a text or block."""
         place = entity.dxf.get("insert")
-        return None if place is None else Point(place.x * self.metres, -place.y * self.metres)
+        if place is None:
+            return None
+        if entity.dxftype() != "MTEXT":  # the others are mirrored by their extrusion
+            place = entity.ocs().to_wcs(place)
+        return Point(place.x * self.metres, -place.y * self.metres)
 
 
 def _rings(area: Polygon) -> list[Any]:

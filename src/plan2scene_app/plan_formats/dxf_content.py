@@ -45,11 +45,12 @@ DXF = DxfSettings()
 
 
 def each_entity(
-    source: Source, entities: Iterable[Any], kind_of: Callable[[Any], str]
+    source: Source, entities: Iterable[Any], kind_of: Callable[[Any], str | None]
 ) -> Iterator[tuple[Any, str]]:
     """Yield (entity, kind), with blocks taken apart; a part without a kind has that of its block.
 
-    `kind_of(entity)` gives the kind of an entity. Blocks of doors and windows stay whole.
+    `kind_of(entity)` gives the kind of an entity, None for one that is not shown: it is left out.
+    Blocks of doors and windows stay whole; attributes of blocks are texts.
     """
     count = 0
     queue = [(entity, "", 0) for entity in reversed(list(entities))]
@@ -58,14 +59,17 @@ def each_entity(
     while queue:
         entity, block_kind, depth = queue.pop()
         count += 1
-        kind = kind_of(entity) or block_kind
-        if entity.dxftype() != "INSERT" or kind in ("doors", "windows"):
+        own_kind = kind_of(entity)
+        if own_kind is None:
+            continue
+        kind = own_kind or block_kind
+        if entity.dxftype() not in ("INSERT", "MLINE") or kind in ("doors", "windows"):
             yield entity, kind
             continue
         if depth >= MAX_NESTING:
             raise source.fault(f"blocks at most {MAX_NESTING} deep", "deeper")
         try:
-            parts = list(entity.virtual_entities())
+            parts = [*entity.virtual_entities(), *getattr(entity, "attribs", ())]
         except (TypeError, ValueError, ArithmeticError, AttributeError):
             continue
         for part in parts:
@@ -143,16 +147,19 @@ def leaves_of(entities: Iterable[Any]) -> list[Leaf]:
     leaves = []
     for arc in kinds["ARC"]:
         turn = (arc.dxf.end_angle - arc.dxf.start_angle) % 360
-        radius, hinge = float(arc.dxf.radius), (arc.dxf.center.x, arc.dxf.center.y)
+        centre = arc.ocs().to_wcs(arc.dxf.center)
+        radius, hinge = float(arc.dxf.radius), (centre.x, centre.y)
         if not DXF.swing[0] <= turn <= DXF.swing[1] or not np.isfinite([radius, *hinge]).all():
             continue
+        swing = np.array([(p.x, p.y) for p in (arc.start_point, arc.end_point)])
+        found = []
         for k in sorted(tree.query_ball_point(hinge, DXF.hinge * radius)):
-            line, tip = kinds["LINE"][k // 2], np.array(ends[k ^ 1])
+            tip = np.array(ends[k ^ 1])
             if abs(float(np.linalg.norm(tip - hinge)) - radius) <= DXF.hinge * radius:
-                swing = [(p.x, p.y) for p in (arc.start_point, arc.end_point)]
-                closed = max(swing, key=lambda p: float(np.hypot(*np.subtract(p, tip))))
-                leaves.append(Leaf(hinge, closed, line))
-                break
+                found.append((np.linalg.norm(swing - tip, axis=1), kinds["LINE"][k // 2]))
+        if found:  # a wall of the same length may begin at the hinge, too
+            distances, line = min(found, key=lambda pair: float(pair[0].min()))
+            leaves.append(Leaf(hinge, tuple(swing[distances.argmax()].tolist()), line))
     return leaves
 
 

@@ -23,7 +23,7 @@ from plan2scene_app.plan_formats.axes import (
 )
 from plan2scene_app.plan_formats.drawing import Drawing, closed_rooms
 from plan2scene_app.plan_formats.dxf_content import DXF
-from plan2scene_app.plan_formats.lines import axes_of_lines
+from plan2scene_app.plan_formats.lines import axes_of_lines, bridges
 
 #: Patterns of names of layers whose outlines are no floor, in English and German.
 VOIDS = ("*void*", "*atrium*", "*shaft*", "*schacht*", "*luftraum*")
@@ -38,6 +38,7 @@ def rooms_of_layers(
     corridor. The list is empty for fewer than `DXF.least_rooms` rooms.
     """
     floors: list[tuple[str, Polygon]] = []
+    small: list[tuple[str, Polygon]] = []
     holes: list[Polygon] = []
     for layer, lines in outlines.items():
         areas = [Polygon(line).buffer(0) for line in lines if line.is_closed]
@@ -48,6 +49,9 @@ def rooms_of_layers(
         large = [area for area in areas if area.area >= DXF.room[0]]
         if large and len(large) >= DXF.outlines * len(areas):
             floors += [(layer, area) for area in large]
+            small += [(layer, a) for a in areas if DXF.tiny <= a.area < DXF.room[0]]
+    furnished = unary_union([area for _, area in floors])
+    floors += [(layer, area) for layer, area in small if not area.intersects(furnished)]
     floors.sort(key=lambda pair: pair[1].area)
     rooms: list[tuple[str, Polygon]] = []
     for layer, area in floors:
@@ -94,7 +98,8 @@ def rooms_of_lines(
         single = [WallAxis(*pair) for line in lines for pair in pairwise(line.coords)]
         for way in (axes_of_lines, lambda _, single=single: distinct(single)):
             try:
-                drawing = Drawing(axes=way(lines), openings=list(doors))
+                axes = way(lines)
+                drawing = Drawing(axes=axes + bridges(axes, doors), openings=list(doors))
                 if _is_pattern(rooms_of_axes(source, drawing.axes)):
                     continue
                 faces = closed_rooms(replace(source, warnings=[]), drawing)

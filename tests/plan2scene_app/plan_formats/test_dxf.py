@@ -118,6 +118,67 @@ def test_round_trip_of_faces_alone(tmp_path, number):
     assert_found(without_passages(plan), found, types=False, heights=False)
 
 
+def loose(doc, plan):
+    for insert in doc.modelspace().query("INSERT"):
+        for part in insert.explode():
+            part.dxf.layer = "A-DOOR"
+
+
+def jambed(doc, plan):
+    for x in (0, 1):
+        doc.blocks.get("Door_90").add_line((x, 0.1), (x, -0.2))
+
+
+def mirrored(doc, plan):
+    """Blocks and texts are mirrored by their extrusion."""
+    for entity in doc.modelspace().query("INSERT TEXT"):
+        x, y, _ = entity.dxf.insert
+        entity.dxf.extrusion, entity.dxf.insert = (0, 0, -1), (-x, y)
+        if entity.dxftype() == "INSERT":
+            entity.dxf.xscale, entity.dxf.rotation = -entity.dxf.xscale, -entity.dxf.rotation
+
+
+def tagged(doc, plan):
+    """Names are attributes of blocks with a frame."""
+    block = doc.blocks.new("tag")
+    block.add_lwpolyline([(-300, -200), (300, -200), (300, 200), (-300, 200)], close=True)
+    block.add_attdef("NAME")
+    for text in doc.modelspace().query("TEXT"):
+        tag = doc.modelspace().add_blockref("tag", text.dxf.insert)
+        tag.dxf.layer = "A-AREA-IDEN"
+        tag.add_attrib("NAME", text.dxf.text, text.dxf.insert)
+        doc.modelspace().delete_entity(text)
+
+
+def demolished(doc, plan):
+    for state in ("off", "freeze"):
+        getattr(doc.layers.add(f"A-WALL-{state}"), state)()
+        for _, _, area in plan.rooms:
+            (x0, z0, x1, _), attributes = area.bounds, {"layer": f"A-WALL-{state}"}
+            ring = points(body([(x0, z0 + 0.8), (x1, z0 + 0.8)], 0.2).exterior.coords)
+            doc.modelspace().add_lwpolyline(ring, dxfattribs=attributes)
+
+
+def multiline(doc, plan):
+    for line in doc.modelspace().query("LINE[layer=='WAND']"):
+        doc.modelspace().delete_entity(line)
+    way = {"layer": "WAND", "scale_factor": plan.thickness * 1000, "justification": 1}
+    for ends in plan.axes:
+        doc.modelspace().add_mline(points(ends), dxfattribs=way)
+
+
+@pytest.mark.parametrize("change", [loose, jambed, mirrored, tagged, demolished, multiline])
+def test_faces_and_names_as_cad_programs_draw_them(tmp_path, change):
+    plan, doc = drawn_flat(2), document()
+    add_walls(doc, plan, "faces")
+    add_holes(doc, plan)
+    for _, types, area in plan.rooms:
+        place = points([area.representative_point().coords[0]])[0]
+        doc.modelspace().add_text(" / ".join(types)).set_placement(place)
+    change(doc, plan)
+    assert_found(without_passages(plan), read_plan(saved(doc, tmp_path), "h1"), heights=False)
+
+
 def nested(doc, plan):
     doc.blocks.new("plan")
     for entity in list(doc.modelspace()):
@@ -192,7 +253,10 @@ def test_names_of_a_japanese_program(tmp_path):
 def test_axes_far_from_the_origin(tmp_path):
     plan, doc = drawn_flat(2), document()
     add_walls(doc, plan, "axes", shift=(3.5e9, 5.4e9))
+    place = points([plan.rooms[0][2].centroid.coords[0]], shift=(3.5e9, 5.4e9))[0]
+    doc.modelspace().add_text("Kitchen").set_placement(place)
     found = read_plan(saved(doc, tmp_path), "h1")
+    assert ["kitchen" in room.id for room in found.rooms].count(True) == 1
     assert len(found.rooms) == len(plan.rooms)
     assert {wall.depth for wall in found.walls} == {0.1}
 
@@ -212,6 +276,32 @@ def test_units_layers_and_names(tmp_path):
     assert room_polygon(house.rooms[0]).area == pytest.approx(1.96 * 2.54**2, rel=1e-6)
     halved = house_of_dxf(path, "h1", 0.01, {"rooms": "X?"})
     assert room_polygon(halved.rooms[0]).area == pytest.approx(1.96)
+
+
+def test_what_is_not_in_the_model_space_is_named(tmp_path):
+    doc = document()
+    doc.add_xref_def("walls.dwg", "walls")
+    doc.modelspace().add_blockref("walls", (0, 0))
+    with pytest.raises(InputError, match=r"found none; xref walls\.dwg left out"):
+        read_plan(saved(doc, tmp_path), "h1")
+    doc = document()
+    doc.layout("Layout1").add_line((0, 0), (9000, 0))
+    with pytest.raises(InputError, match="found none; layout Layout1 left out"):
+        read_plan(saved(doc, tmp_path), "h1")
+
+
+def test_outlines_on_one_layer_of_a_binary_file(tmp_path):
+    """A bathroom of 2 m2 is a room, a bed is none; a text in several lines names the room."""
+    doc = document(6)
+    boxes = [(5 * k, 0, 5 * k + 4, 3) for k in range(5)]
+    boxes += [(0, 3.2, 1.2, 5), (0.5, 0.5, 1.5, 2.5)]
+    for x0, y0, x1, y1 in boxes:
+        doc.modelspace().add_lwpolyline([(x0, y0), (x1, y0), (x1, y1), (x0, y1)], close=True)
+    doc.modelspace().add_mtext("{\\H2x;Bath}\\P2.16 m2").set_location((0.6, 4))
+    doc.saveas(tmp_path / "plan.dxf", fmt="bin")
+    found = read_plan(tmp_path / "plan.dxf", "h1")
+    areas = {room.id: room_polygon(room).area for room in found.rooms}
+    assert len(areas) == 6 and areas["bath"] == pytest.approx(2.16)
 
 
 def test_no_pattern_takes_long():
