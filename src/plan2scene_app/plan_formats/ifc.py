@@ -90,7 +90,7 @@ def _read(path: Path, house_id: str) -> House:
     source = Source(str(path), house_id)
     model = _Model(source, path)
     by_storey = {
-        name: items for name, items in model.storeys().items() if _has(items, "IfcSpace", "IfcWall")
+        key: items for key, items in model.storeys().items() if _has(items, "IfcSpace", "IfcWall")
     }
     if not by_storey:
         raise source.fault("IfcSpace or IfcWall in the model", "none")
@@ -98,10 +98,10 @@ def _read(path: Path, house_id: str) -> House:
     lived_in = [
         n for n, items in by_storey.items() if _has(items, "IfcSpace", "IfcDoor", "IfcWindow")
     ]
-    for name in by_storey if lived_in else ():
-        if name not in lived_in:
-            source.warn(f"spaces, doors or windows on storey {name}", "walls alone, left out")
-    storeys = (model.storey(name, by_storey[name]) for name in lived_in or by_storey)
+    for key in by_storey if lived_in else ():
+        if key not in lived_in:
+            source.warn(f"spaces, doors or windows on storey {key[0]}", "walls alone, left out")
+    storeys = (model.storey(key[0], by_storey[key]) for key in lived_in or by_storey)
     return house_of_storeys(source, storeys)
 
 
@@ -144,7 +144,7 @@ class _Model:
             if not all(abs(ratio) <= MAX_RATIO for ratio in item.DirectionRatios):
                 found = str(item.DirectionRatios)
                 raise source.fault(f"directions of numbers within {MAX_RATIO:g}", found)
-        self.triangles = 0
+        self.triangles, self.origin = 0, np.zeros(3)
         self.geometry, self.element = ifcopenshell.geom, ifcopenshell.util.element
         self.settings = ifcopenshell.geom.settings()
         self.settings.set("use-world-coords", True)
@@ -156,9 +156,11 @@ class _Model:
             for item in relation.RelatedElements
         }
 
-    def storeys(self) -> dict[str, list[Any]]:
-        """Return {name of storey: its spaces, walls, doors, windows and stairs}."""
-        by_storey: dict[str, list[Any]] = defaultdict(list)
+    def storeys(self) -> dict[tuple[str, float], list[Any]]:
+        """Return {name and elevation of storey: its spaces, walls, doors, windows and stairs}."""
+        from ifcopenshell.util.placement import get_storey_elevation
+
+        by_storey: dict[tuple[str, float], list[Any]] = defaultdict(list)
         kinds = {
             "IfcSpace": MAX_ROOMS,
             "IfcWall": MAX_AXES,
@@ -173,9 +175,9 @@ class _Model:
                 raise self.source.fault(f"at most {limit} {kind}", len(products))
             for product in products:
                 storey = self._storey(product)
-                by_storey[
-                    "no storey" if storey is None else f"{storey.Name or storey.GlobalId}"
-                ].append(product)
+                name = "no storey" if storey is None else f"{storey.Name or storey.GlobalId}"
+                elevation = 0.0 if storey is None else float(get_storey_elevation(storey))
+                by_storey[name, elevation].append(product)
         return dict(by_storey)
 
     def _storey(self, product: Any) -> Any:
@@ -262,6 +264,9 @@ class _Model:
             what = f"{len(faces)} triangles, left out"
             self.source.warn(f"1 to {MAX_TRIANGLES} triangles of {product.is_a()}", what)
             return None
+        if not self.origin.any() and np.abs(points).max() > MAX_COORDINATE:  # georeferenced
+            self.origin = points.min(axis=0).round()
+        points -= self.origin
         if not np.isfinite(points).all() or np.abs(points).max() > MAX_COORDINATE:
             raise self.source.fault(f"coordinates within {MAX_COORDINATE:g} m", "others")
         plan = points[:, :2] * [1.0, -1.0]

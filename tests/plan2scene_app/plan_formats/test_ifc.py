@@ -1,12 +1,15 @@
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from places import ROOT
 from plan_drawing import FLATS, assert_found, assert_storeys, drawn_flat, refusal
+from shapely.affinity import translate
 from shapely.geometry import LineString
 
 from plan2scene.errors import InputError
 from plan2scene.plans.formats import read_plan
+from plan2scene.plans.geometry import room_polygon
 from plan2scene_app.exports.ifc4 import write_ifc
 
 ifcopenshell = pytest.importorskip("ifcopenshell")
@@ -47,7 +50,7 @@ class Writer:
         return self.root(kind, ObjectPlacement=self.place, Representation=shapes, **facts)
 
     def storey(self, plan, name, base=0.0, spaces=True, walls=True, contained=False):
-        storey = self.root("IfcBuildingStorey", Name=name)
+        storey = self.root("IfcBuildingStorey", Name=name, Elevation=base * 1000)
         self.root("IfcRelAggregates", RelatingObject=self.project, RelatedObjects=[storey])
         rooms = [
             self.product("IfcSpace", area, base, base + plan.height, LongName=" / ".join(types))
@@ -113,12 +116,28 @@ def test_an_old_schema_is_read_as_the_next_one(tmp_path, schema, line):
         read_plan(path, "h1")
 
 
-def test_two_storeys_come_back(tmp_path):
+@pytest.mark.parametrize(
+    ("names", "ids"), [(("Ground", "Up"), ("ground", "up")), (2 * ("Level",), ("level", "level_2"))]
+)
+def test_two_storeys_come_back(tmp_path, names, ids):
     plans, writer = (drawn_flat(2), drawn_flat(0)), Writer()
-    for plan, name, base in zip(plans, ("Ground", "Upper floor"), (0.0, 3.0), strict=True):
+    for plan, name, base in zip(plans, names, (0.0, 3.0), strict=True):
         writer.storey(plan, name, base=base)
     found = read_plan(writer.saved(tmp_path), "h1")
-    assert_storeys(plans, found, [("ground", 0.0), ("upper_floor", 3.0)])
+    assert_storeys(plans, found, list(zip(ids, (0.0, 3.0), strict=True)))
+
+
+def test_a_model_at_its_place_on_earth(tmp_path):
+    plan, writer = drawn_flat(2), Writer()
+    writer.storey(plan, "ground")
+    corner = writer.file.createIfcAxis2Placement3D(writer.point(352e3, 5.8e6, 1400))
+    writer.place.RelativePlacement = corner
+    found = read_plan(writer.saved(tmp_path), "h1")
+    centre = np.mean([room_polygon(room).centroid.coords[0] for room in found.rooms], axis=0)
+    drawn_centre = np.mean([area.centroid.coords[0] for _, _, area in plan.rooms], axis=0)
+    holes = [replace(h, centre=h.centre + centre - drawn_centre) for h in plan.holes]
+    rooms = [(*room[:2], translate(room[2], *(centre - drawn_centre))) for room in plan.rooms]
+    assert_found(replace(plan, rooms=rooms, holes=holes), found)
 
 
 def test_foundations_are_no_storey(tmp_path):
