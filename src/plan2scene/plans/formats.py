@@ -70,7 +70,7 @@ def read_plan(
     Parameters are those of :class:`PlanFile`; a format in pixels needs its scale.
     """
     plan = PlanFile(Path(path), house_id, metres_per_pixel, dxf_layers)
-    if not plan.path.is_file():
+    if not plan.path.exists():
         raise plan.fault("a plan", "no such file")
     if not plan.head.strip():
         raise plan.fault("a plan", "an empty file")

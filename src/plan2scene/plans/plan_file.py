@@ -17,6 +17,7 @@ from plan2scene.plans.parse import parse_json
 
 #: First bytes of files that are not text, and what such a file is.
 _SIGNATURES = (
+    (b"PK\x03\x04\n\0\0\0\0\0", "a ZIP archive (of USDZ? Scanners save RoomPlan JSON beside it)"),
     (b"PK\x03\x04", "a ZIP archive"),
     (b"PK\x05\x06", "an empty ZIP archive"),
     (b"\x89PNG", "a PNG picture"),
@@ -30,7 +31,6 @@ _SIGNATURES = (
     (b"AC10", "a DWG drawing (save it as DXF)"),
     (b"\xac\xed", "a serialised Java object"),
     (b"\x1f\x8b", "a gzip archive"),
-    (b"7z\xbc\xaf", "a 7z archive"),
     (b"glTF", "a GLB model"),
 )
 
@@ -78,7 +78,7 @@ class PlanFile:
             return "an SVG picture"
         if self.head.startswith(b"PK") and not zipfile.is_zipfile(self.path):
             return "a damaged file of Sweet Home 3D or another ZIP archive"
-        return kind
+        return kind or "a binary file" * (b"\0\0" in self.head)
 
     @property
     def is_picture(self) -> bool:
@@ -91,7 +91,7 @@ class PlanFile:
         try:
             return "" if self.binary else read_text(self.path)
         except InputError as error:
-            if b"SECTION" in self.head:  # its reader knows the code pages of DXF
+            if b"SECTION" in self.head.split()[:40]:  # its reader knows the code pages of DXF
                 return ""
             raise self.fault(error.expected, error.found) from None
 

@@ -242,7 +242,7 @@ def house_of_scene(document: Any, house_id: str, *, file: str = "") -> House:
         source.mapping(e, "an element") for e in source.items(arch.get("elements"), "elements")
     ]
     if not elements:
-        raise source.fault("a list of elements", "none")
+        raise source.fault("a list of elements, as in scene.json", "none")
     rooms, levels = _read_rooms(source, arch, elements)
     levels = used_levels(source, levels, rooms.values())
     walls = read_walls(source, arch, elements, rooms)

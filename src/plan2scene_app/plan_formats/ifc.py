@@ -136,6 +136,8 @@ class _Model:
 
         if path.stat().st_size > MAX_BYTES:
             raise source.fault(f"at most {MAX_BYTES} bytes of IFC", path.stat().st_size)
+        if b"END-ISO-10303-21" not in path.read_bytes()[-1000:]:
+            raise source.fault("an IFC model that can be read", "one without its last lines")
         try:
             self.file = _parsed(source, path)
         except (RuntimeError, OSError, ValueError, ifcopenshell.Error) as error:

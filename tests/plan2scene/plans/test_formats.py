@@ -51,6 +51,7 @@ def test_a_missing_package_is_one_line(tmp_path, monkeypatch, start, package):
         (b"\xff\xd8\xff\xe0\x00", "a JPEG picture (plan2scene trace makes a plan of it)"),
         (b"%PDF-1.7\n\xff", "a PDF (plan2scene trace makes a plan of it)"),
         (b"AC1032\x00\xff", "a DWG drawing (save it as DXF)"),
+        (b"\xd0\xcf\x11\xe0" + b"\x00" * 18, "a binary file"),
         (b"PK\x05\x06" + b"\x00" * 18, "an empty ZIP archive"),
         (b"PK\x03\x04" + b"\x00" * 90, "a damaged file of Sweet Home 3D or another ZIP archive"),
     ],
@@ -67,6 +68,8 @@ def test_a_pipe_is_no_plan(tmp_path):
     os.mkfifo(path)
     with pytest.raises(InputError, match="expected a file, found no plain file"):
         _ = PlanFile(path, "h1").is_picture
+    with pytest.raises(InputError, match="expected a file, found a folder"):
+        read_plan(tmp_path, "h1")
 
 
 @pytest.mark.parametrize(

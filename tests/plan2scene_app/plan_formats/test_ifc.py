@@ -165,7 +165,8 @@ def test_our_own_export_comes_back_with_its_stairs(tmp_path):
 @pytest.mark.parametrize(
     ("text", "line"),
     [
-        ("ISO-10303-21;\nHEADER;\n", "an IFC model that can be read"),
+        ("ISO-10303-21;\nHEADER;\n", "that can be read, found one without its last lines"),
+        ("ISO-10303-21;\nEND-ISO-10303-21;", "an IFC model that can be read"),
         (None, "IfcSpace or IfcWall in the model, found none"),
     ],
 )
