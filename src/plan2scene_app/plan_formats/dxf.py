@@ -504,12 +504,16 @@ class _Drawing:
             for a, b in zip(room.rings[0], room.rings[0][1:] + room.rings[0][:1], strict=True)
         ]
         nearest = NearestAxis(drawing.axes or outlines)
-        leaves = STRtree([LineString([door.start, door.end]) for door in self.doors])
+        lines = [LineString([door.start, door.end]) for door in self.doors]
+        tree = STRtree(lines)
         for kind, area, anchor in marks:
             name = f"opening_{len(drawing.openings)}"
-            within = leaves.query(area.buffer(SETTINGS.touch), predicate="contains")
-            if kind == "doors" and len(within) == 1:
-                segment = replace(self.doors[within[0]], id=name)
+            within = tree.query(area.buffer(SETTINGS.touch), predicate="contains").tolist()
+            leaf = max(within, key=lambda k: (lines[k].length, -k), default=-1)
+            side = np.hypot(*np.diff(area.exterior.coords, axis=0).T).max()
+            segment: Segment | None
+            if kind == "doors" and leaf >= 0 and lines[leaf].length >= DXF.one_leaf * side:
+                segment = replace(self.doors[leaf], id=name)
             else:
                 segment = nearest.edge_segment(area, name, kind[:-1], anchor)
             if segment is None:

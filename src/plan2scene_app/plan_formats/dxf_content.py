@@ -27,6 +27,7 @@ class DxfSettings:
     usual_door: tuple[float, float] = (0.6, 1.1)  #: m of the median leaf for another unit
     swing: tuple[float, float] = (10.0, 100.0)  #: degrees that a door's arc turns
     hinge: float = 0.1  #: share of an arc's radius within which a leaf fits it
+    one_leaf: float = 0.7  #: share of a door's longer side, in plan, that its only leaf takes
     least_leaves: int = 3  #: fewest leaves, or fewest printed areas, that tell a unit
     printed: float = 0.1  #: share by which a unit may differ from that of the printed areas
     room: tuple[float, float] = (4.0, 1500.0)  #: m2 of outlines that are rooms

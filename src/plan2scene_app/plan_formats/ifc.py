@@ -267,7 +267,7 @@ class _Model:
             self.source.warn(f"1 to {MAX_TRIANGLES} triangles of {product.is_a()}", what)
             return None
         if not self.origin.any() and np.abs(points).max() > MAX_COORDINATE:  # georeferenced
-            self.origin = points.min(axis=0).round()
+            self.origin = points.min(axis=0).round(-2)
         points -= self.origin
         if not np.isfinite(points).all() or np.abs(points).max() > MAX_COORDINATE:
             raise self.source.fault(f"coordinates within {MAX_COORDINATE:g} m", "others")
