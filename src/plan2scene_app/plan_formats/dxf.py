@@ -393,6 +393,7 @@ class _Drawing:
             ends = [(x * self.metres + shift[0], shift[1] - y * self.metres) for x, y in leaf.ends]
             name = f"leaf_{len(self.doors)}"
             self.doors.append(Segment(name, "door", ends[0], ends[1], *HEIGHTS["door"]))
+        self.doors = _with_double(self.doors)
         names = [(text, place) for text, place in self.written if _LETTERS.search(text)]
         return self._unlayered(self._drawing(moved, marks, names), left, marks, names)
 
@@ -505,10 +506,15 @@ class _Drawing:
         ]
         nearest = NearestAxis(drawing.axes or outlines)
         lines = [LineString([door.start, door.end]) for door in self.doors]
-        tree = STRtree(lines)
+        tree, taken = STRtree(lines), set[int]()
         for kind, area, anchor in marks:
             name = f"opening_{len(drawing.openings)}"
             within = tree.query(area.buffer(SETTINGS.touch), predicate="contains").tolist()
+            within = [k for k in within if lines[k].length >= SETTINGS.widths[0]]
+            if kind == "doors" and anchor is None and within:  # loose lines, of several doors
+                drawing.openings += [self.doors[k] for k in within if k not in taken]
+                taken.update(within)
+                continue
             leaf = max(within, key=lambda k: (lines[k].length, -k), default=-1)
             side = np.hypot(*np.diff(area.exterior.coords, axis=0).T).max()
             segment: Segment | None
@@ -547,6 +553,19 @@ class _Drawing:
 
 def _rings(area: Polygon) -> list[Any]:
     return [area.exterior, *area.interiors]
+
+
+def _with_double(doors: Sequence[Segment]) -> list[Segment]:
+    """Return doors with one instead of two whose leaves meet: from hinge to hinge."""
+    tree = STRtree([Point(door.end) for door in doors])
+    left = dict(enumerate(doors))
+    for k, door in enumerate(doors):
+        for j in tree.query(Point(door.end), "dwithin", SETTINGS.touch).tolist():
+            ways = np.subtract(door.start, door.end), np.subtract(doors[j].start, doors[j].end)
+            if j > k and j in left and k in left and ways[0] @ ways[1] < 0:
+                left[k] = replace(door, end=left.pop(j).start)
+                break
+    return list(left.values())
 
 
 def _shift(lines: Sequence[LineString]) -> tuple[float, float]:
