@@ -12,9 +12,8 @@ from __future__ import annotations
 import ast
 import hashlib
 import os
-import re
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
@@ -33,7 +32,6 @@ _RUNNER = "plan2scene_app.workflow"
 _SCRIPTS = WORKFLOW / "workflow" / "scripts"
 #: :func:`contents_hash` reads a file of at most so many bytes whole, else pieces of so many bytes.
 _WHOLE, _PIECE = 200_000, 4096
-_IMPORT = re.compile(r"^[ \t]*((?:from [\w.]+ )?import (?:\([^)]*\)|.+))", re.MULTILINE)
 
 
 @cache
@@ -63,17 +61,24 @@ def imports(file: Path) -> frozenset[str]:
     """Return the dotted names that a source file imports, inside functions too.
 
     ``from a import b`` gives both ``a`` and ``a.b``, because ``b`` may be a module. Relative
-    imports are ignored: our packages have none. Only lines that begin with an import are parsed:
-    the syntax of all modules takes half a second at each start.
+    imports are ignored: our packages have none.
     """
     names: set[str] = set()
-    for statement in ast.parse("\n".join(_IMPORT.findall(_source(file)))).body:
+    for statement in _statements(ast.parse(_source(file)).body):
         if isinstance(statement, ast.Import):
             names.update(alias.name for alias in statement.names)
         elif isinstance(statement, ast.ImportFrom) and statement.module:
             names.add(statement.module)
             names.update(f"{statement.module}.{alias.name}" for alias in statement.names)
     return frozenset(names)
+
+
+def _statements(body: Sequence[ast.AST]) -> Iterator[ast.AST]:
+    """Yield statements and the statements inside them; an expression cannot contain an import."""
+    for statement in body:
+        yield statement
+        for part in ("body", "orelse", "finalbody", "handlers", "cases"):
+            yield from _statements(getattr(statement, part, ()))
 
 
 @cache
@@ -90,7 +95,6 @@ def closure(module: str, packages: tuple[Path, ...] = PACKAGES) -> Mapping[str, 
     return file_by_name
 
 
-@cache
 def _data_files(module: Path) -> set[Path]:
     """Return the files beside a module that its source names: tables, schemas, pages."""
     source = _source(module)

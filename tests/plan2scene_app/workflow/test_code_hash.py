@@ -1,7 +1,4 @@
-import ast
 import os
-
-from places import ROOT
 
 from plan2scene_app.workflow import closures
 from plan2scene_app.workflow.closures import code_hash, contents_hash, imports
@@ -48,17 +45,6 @@ def test_imports_of_a_source_wherever_they_stand(tmp_path):
         "    match q:\n        case 1:\n            import r\n"
     )
     assert imports(file) == {"a.b", "d", "e", "e.g", "e.k", "m", "o", "o.p", "r"}
-
-
-def test_the_imports_of_our_sources_are_those_of_their_syntax():
-    for file in (*ROOT.glob("src/**/*.py"), *ROOT.glob("workflow/scripts/*.py")):
-        names: set[str] = set()
-        for node in ast.walk(ast.parse(file.read_text())):
-            if isinstance(node, ast.Import):
-                names.update(alias.name for alias in node.names)
-            elif isinstance(node, ast.ImportFrom):
-                names.update((node.module, *(f"{node.module}.{a.name}" for a in node.names)))
-        assert imports(file) == names, file
 
 
 def test_contents_decide_whatever_the_times(tmp_path):
