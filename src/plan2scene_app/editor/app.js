@@ -184,15 +184,16 @@ export class App {
     this.setTool(traced && !this.doubt ? "select" : "scale");
     if (traced && this.doubt) this.say(`Its scale is a guess. ${this.tool.hint}`);
   }
-  /** Open a plan.json, a photo table or a picture of a plan. */
+  /** Open a plan, a picture of one, or a photo table; resolves to why it cannot be read. */
   async openFile(file) {
-    if (isPicture(file)) { await this.openPicture(file); return; }
+    if (isPicture(file)) { await this.openPicture(file); return ""; }
     try {
       const text = await readFile(file);
       if (/^\s*\{/.test(text)) await this.openPlan(JSON.parse(text), file);
       else if (/^\ufeff?[^\n]*photo/i.test(text)) this.store.change({ photos: readTable(text).map(({ name, rooms }) => ({ name, rooms: rooms.map((room) => roomCalled(this.store.state.plan.rooms, room)) })) });
       else await this.host.openOther(file);
-    } catch (error) { this.say(`${file.name}: ${error.message}`); }
+    } catch (error) { this.say(`${file.name}: ${error.message}`); return error.message; }
+    return "";
   }
   async openPlan(plan, file) {
     if (plan.format !== this.rules.format) { await this.host.openOther(file); return; }

@@ -136,7 +136,10 @@ export async function takeFiles(app, given, room = null) {
   let photos = files.filter(isPhoto);
   const empty = () => !app.store.state.plan.rooms.length && !app.picture;
   const isTable = (file) => /\.csv$/i.test(file.name); // opened after the plan, because its rooms are the plan's
-  for (const file of files.filter((one) => !isPhoto(one)).sort((a, b) => isTable(a) - isTable(b))) await app.openFile(file);
+  for (const file of files.filter((one) => !isPhoto(one)).sort((a, b) => isTable(a) - isTable(b))) {
+    const why = await app.openFile(file);
+    if (why) app.refused.set(file.name, why);
+  }
   if (empty() && photos.length) {
     const plans = await plansAmong(photos, Boolean(app.host.picture));
     if (plans === null) return;
@@ -144,6 +147,7 @@ export async function takeFiles(app, given, room = null) {
     if (plans.length) await app.openPicture(...plans);
   }
   if (photos.length) await addPhotos(app, photos, room);
+  else app.renderPanel();
 }
 
 /** The pictures that are the plan: the only one that is mostly paper, else asked. Null if the dialog is closed. */

@@ -93,11 +93,13 @@ def test_a_plan_and_photos_dropped_together(drawing):
 @pytest.mark.parametrize("packed", [False, True])
 def test_the_only_page_among_photos_is_the_plan(drawing, tmp_path, packed):
     pages_and_photos(home := tmp_path / "home", "p07.png")
+    (home / "film.mp4").write_bytes(b"film")
     archive = shutil.make_archive(str(home), "zip", tmp_path, "home")
     drawing.page.click("#open")
     drawing.page.set_input_files("#file-input", archive if packed else sorted(home.iterdir()))
     drawing.page.wait_for_function("() => editor.store.state.photos.length === 2")
     assert sorted(photo["name"] for photo in drawing.photos) == ["b.jpg", "floorplan.jpg"]
+    drawing.page.get_by_text("1 not added: see Photos.").wait_for()
 
 
 def test_walls_move_with_both_rooms_and_what_is_in_them(drawing):
