@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from places import ROOT
-from shapely.geometry import Point
+from shapely.geometry import LineString, Point
 
 from plan2scene.errors import InputError
 from plan2scene.plans.formats import read_plan
@@ -83,6 +83,10 @@ def drawn_flat(number):
                 o.id, Hole(o.kind, (a + b) / 2, (b - a) / width, width, o.bottom, o.top)
             )
     return Drawn(rooms, list(axes), thickness, height, list(holes.values()), house.adjacency())
+
+
+def body(ends, thickness, cap="round"):
+    return LineString(ends).buffer(thickness / 2, cap_style=cap)
 
 
 def assert_found(plan, house, *, kinds=True, types=True, heights=True):

@@ -38,7 +38,7 @@ def scene(points=SQUARE, types=("Bedroom",), hole=None, **changes):
         (scene().replace("2.5", "1e999"), ", room a: expected a finite number for a coordinate"),
         ("[" * 100_000, ": expected JSON, found nesting too deep"),
         ("{", ": expected JSON, found a syntax error"),
-        ("{}", ": expected a list of elements, found none"),
+        ("{}", ": expected a list of elements, as in scene.json, found none"),
         ('{"scene": {"unit": 0.001, "arch": {}}}', ": expected unit 1 (metres), found 0.001"),
     ],
 )

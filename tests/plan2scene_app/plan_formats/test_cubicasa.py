@@ -1,6 +1,5 @@
 import pytest
-from plan_drawing import FLATS, assert_found, drawn_flat, refusal
-from shapely.geometry import LineString
+from plan_drawing import FLATS, assert_found, body, drawn_flat, refusal
 
 from plan2scene.errors import InputError
 from plan2scene.plans.formats import read_plan
@@ -19,10 +18,6 @@ def group(kind, area, text="", **more):
     return f'<g class="{kind}">{polygon(area, **more)}{text}</g>'
 
 
-def body(ends, thickness, **more):
-    return LineString(ends).buffer(thickness / 2, **more)
-
-
 def sides(area):
     x0, y0, x1, y1 = area.bounds
     feet = [divmod(round(side / 0.0254), 12) for side in (y1 - y0, x1 - x0)]
@@ -34,10 +29,10 @@ def elements(plan, *, written=None):
     for _, types, area in plan.rooms:
         text = f"<text>{written(area)}</text>" if written else ""
         parts.append(group(f"Space {' / '.join(types)}", area, text))
-    parts += [group("Wall", body(ends, plan.thickness, cap_style="square")) for ends in plan.axes]
+    parts += [group("Wall", body(ends, plan.thickness, "square")) for ends in plan.axes]
     for hole in plan.holes:
         kind = {"door": "Door Swing Beside", "window": "Window Regular", "passage": "Door None"}
-        parts.append(group(kind[hole.kind], body(hole.ends, plan.thickness, cap_style="flat")))
+        parts.append(group(kind[hole.kind], body(hole.ends, plan.thickness, "flat")))
     return "".join(parts)
 
 

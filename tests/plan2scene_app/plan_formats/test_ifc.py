@@ -2,8 +2,7 @@ from dataclasses import replace
 
 import pytest
 from places import ROOT
-from plan_drawing import FLATS, assert_found, assert_storeys, drawn_flat, refusal
-from shapely.geometry import LineString
+from plan_drawing import FLATS, assert_found, assert_storeys, body, drawn_flat, refusal
 
 from plan2scene.errors import InputError
 from plan2scene.plans.formats import read_plan
@@ -58,12 +57,12 @@ class Writer:
         elements = list(rooms) if contained else []
         bodies = []
         for ends in plan.axes if walls else ():
-            area = LineString(ends).buffer(plan.thickness / 2, cap_style="square")
+            area = body(ends, plan.thickness, "square")
             wall = self.product("IfcWall", area, base, base + plan.height)
             elements.append(wall)
             bodies.append((area, wall))
         for hole in plan.holes if walls else ():
-            area = LineString(hole.ends).buffer(plan.thickness, cap_style="flat")
+            area = body(hole.ends, 2 * plan.thickness, "flat")
             wall = max(bodies, key=lambda pair: pair[0].intersection(area).area)[1]
             low, high = base + hole.bottom, base + hole.top
             opening = self.product("IfcOpeningElement", area, low, high)
