@@ -145,18 +145,14 @@ def animated():
     return saved(rgb(), "GIF", save_all=True, append_images=[other, other], duration=50)
 
 
-def grey16(form):
-    return saved(Image.fromarray(in_quarters(np.array(GREYS, np.uint16)) * 257), form)
+def deep_grey(form, kind=np.uint16):
+    return saved(Image.fromarray(in_quarters(np.array(GREYS, kind)) * 257), form)
 
 
 def float_tiff(white):
     values = in_quarters(np.array(GREYS, np.float32)) / 255 * white
     values[0, 0] = np.nan
     return saved(Image.fromarray(values), "TIFF")
-
-
-def int32_tiff():
-    return saved(Image.fromarray(in_quarters(np.array(GREYS, np.int32)) * 257), "TIFF")
 
 
 def damaged_exif():
@@ -178,10 +174,10 @@ def png_with(*extra):
 WORKS = {
     "rgb.png": (lambda: saved(rgb(), "PNG"), drawn, 0),
     "cmyk.tif": (lambda: saved(rgb().convert("CMYK"), "TIFF"), drawn, 0),
-    "grey16.png": (lambda: grey16("PNG"), grey, 0),
-    "grey16.tif": (lambda: grey16("TIFF"), grey, 0),
+    "grey16.png": (lambda: deep_grey("PNG"), grey, 0),
+    "grey16.tif": (lambda: deep_grey("TIFF"), grey, 0),
     "rgb16.png": (rgb16_png, drawn, 0),
-    "int32.tif": (int32_tiff, grey, 0),
+    "int32.tif": (lambda: deep_grey("TIFF", np.int32), grey, 0),
     "float_to_1.tif": (lambda: float_tiff(1.0), lambda: filled(grey(), 0, 0, 0), 0),
     "float_to_255.tif": (lambda: float_tiff(255.0), lambda: filled(grey(), 0, 0, 0), 0),
     "palette_transparent.png": (palette_png, lambda: white_last(drawn()), 0),

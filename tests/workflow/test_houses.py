@@ -68,15 +68,11 @@ def odd(data, row):
     folder, good = data / "photos", photos_of(row)
     damaged(folder, folder / good[0])
     odd_copies([folder / name for name in good])
-    room = (data / row["assignment"]).read_text().splitlines()[1].split(",")[0]
-    add_rows(data, row, *(f"{room},{name}" for name in BAD))
+    table = data / row["assignment"]
+    room = table.read_text().splitlines()[1].split(",")[0]
+    table.write_text(table.read_text() + "".join(f"{room},{name}\n" for name in BAD))
     row["photos"] = "|".join([*good, *BAD])
     unmeasured(data / row["plan"])
-
-
-def add_rows(data, row, *lines):
-    table = data / row["assignment"]
-    table.write_text(table.read_text() + "".join(f"{line}\n" for line in lines))
 
 
 def unknown_room_type(data, row):

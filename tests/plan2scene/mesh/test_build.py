@@ -31,10 +31,6 @@ def write_index(folder, entries):
     (folder / "textures" / "textures.json").write_text(text)
 
 
-def entries_of(folder):
-    return json.loads((folder / "textures" / "textures.json").read_text())["surfaces"]
-
-
 def test_files_of_a_house(folder, gap_house, paint):
     out = folder / "out"
     args = folder / "scene.json", folder / "textures"
@@ -52,7 +48,7 @@ def test_files_of_a_house(folder, gap_house, paint):
 
 
 def test_a_surface_without_texture_is_a_warning(folder, gap_house, caplog):
-    entries = entries_of(folder)
+    entries = json.loads((folder / "textures" / "textures.json").read_text())["surfaces"]
     del entries["a/wall"]
     write_index(folder, entries)
     textures = load_textures(folder / "textures", gap_house)

@@ -17,16 +17,12 @@ def photo(path, tags, size=SIZE, orientation=1):
     return path
 
 
-def noted(width, height):
-    return dict(zip((Tag.ExifImageWidth, Tag.ExifImageHeight), (width, height), strict=True))
-
-
 @pytest.mark.parametrize(
     ("name", "orientation", "size"),
     [("a.jpg", 1, SIZE), ("a.webp", 1, SIZE), ("a.jpg", 6, SIZE[::-1])],
 )
 def test_equivalent_is_by_the_diagonal_whichever_way_up(tmp_path, name, orientation, size):
-    tags = {EQUIVALENT: 26, **noted(4000, 3000)}
+    tags = {EQUIVALENT: 26, Tag.ExifImageWidth: 4000, Tag.ExifImageHeight: 3000}
     found = read_exif_focal(photo(tmp_path / name, tags, orientation=orientation), size)
     assert found == ExifFocal(pytest.approx(26 / np.hypot(36, 24) * 500, rel=1e-4))
 

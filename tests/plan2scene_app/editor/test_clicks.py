@@ -1,10 +1,10 @@
 import json
 import shutil
 
-import numpy as np
 import pytest
 from browser import pages_and_photos, serious_violations
 from PIL import Image
+from shapely.geometry import Polygon
 
 from plan2scene.datasets.assignments import read_assignment
 from plan2scene.mesh.glb import write_glb
@@ -14,12 +14,7 @@ from plan2scene.plans.validate import validate_house
 
 def areas(drawing):
     house = {room["id"]: room["polygon"] for room in drawing.plan["rooms"]}
-    return {name: round(shoelace(ring), 3) for name, ring in house.items()}
-
-
-def shoelace(ring):
-    x, z = np.array(ring).T
-    return abs(float(np.sum(x * np.roll(z, -1) - np.roll(x, -1) * z))) / 2
+    return {name: round(Polygon(ring).area, 3) for name, ring in house.items()}
 
 
 def drop_files(drawing, at, *names):

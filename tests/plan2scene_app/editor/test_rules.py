@@ -143,13 +143,10 @@ def verdict(document, path):
         house = read_plan(path, "home")
         if fault := next(house_faults(house), None):
             return {("error", fault.expected)}
-        return {("warning", expected_of(line)) for line in validate_house(house)}
+        phrases = (line.split("expected ", 1)[1] for line in validate_house(house))
+        return {("warning", phrase.rsplit(", found ", 1)[0]) for phrase in phrases}
     except InputError as error:
         return {("error", error.expected)}
-
-
-def expected_of(line):
-    return line.split("expected ", 1)[1].rsplit(", found ", 1)[0]
 
 
 @pytest.fixture(scope="module")

@@ -239,7 +239,6 @@ def test_units_layers_and_names(tmp_path):
 def test_what_is_not_in_the_model_space_is_named(tmp_path):
     doc = document()
     doc.add_xref_def("walls.dwg", "walls")
-    doc.layout("Layout1").add_line((0, 0), (9000, 0))
     with pytest.raises(InputError, match=r"found none; layout Layout1, xref walls\.dwg left out"):
         read_plan(saved(doc, tmp_path), "h1")
 
