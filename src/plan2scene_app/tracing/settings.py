@@ -43,6 +43,9 @@ LABEL_OF_TYPE = {
 }
 #: Name of the network's weights in the folder of models.
 MODEL = "plans"
+#: In the order of the logits of the network that finds fixtures.
+FIXTURE_LABELS = ("none", "toilet", "sink", "bath", "shower", "stove", "counter")
+FIXTURE_PPM = 40.0  #: Scale at which that network sees a drawing, pixels per metre
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ def furnish(sheet: Sheet, plan: Structure, style: PlanStyle, rng: np.random.Gene
         for name in names:
             if rng.random() < 0.25:
                 continue
-            placed = _place(SYMBOLS[name], room, free, plan.inner_depth / 2 + 0.03, rng)
+            placed = place(SYMBOLS[name], room, free, plan.inner_depth / 2 + 0.03, rng)
             if placed is None:
                 continue
             piece, (width, depth), frame = placed
@@ -35,7 +35,7 @@ def furnish(sheet: Sheet, plan: Structure, style: PlanStyle, rng: np.random.Gene
                 sheet.line(line @ frame[:2] + frame[2], style.pen, style.thin)
 
 
-def _place(
+def place(
     symbol: Symbol, room: Polygon, free: shapely.Geometry, gap: float, rng: np.random.Generator
 ) -> tuple[Polygon, tuple[float, float], np.ndarray] | None:
     """Return outline, size and frame (rows: x axis, y axis, origin) of a piece that fits."""
