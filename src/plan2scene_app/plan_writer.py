@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from plan2scene.house import USUAL, House, Level, Point, Stairs
+from plan2scene.house import USUAL, House, IconBox, Level, Point, Stairs
 from plan2scene.plans.geometry import point_along, room_polygon
 from plan2scene.plans.plan_json import DEFAULT_DEPTH, FORMAT, SNAP_TOLERANCE, plan_schema
 from plan2scene.plans.wall_sides import find_openings, room_sides
@@ -19,9 +19,9 @@ _DIGITS = 4
 def house_to_plan(house: House) -> dict[str, Any]:
     """Return a house as a document of ``plan.schema.json``.
 
-    Levels, rooms, types, heights, openings and stairs are kept. Walls are not written: the reader
-    makes them from the rooms' outlines, all with the median thickness of this house's walls.
-    Objects and icons are left out. If two rooms have walls of their own with one hole through both,
+    Levels, rooms, types, heights, openings, stairs and icons are kept. Walls are not written: the
+    reader makes them from the rooms' outlines, all with the median thickness of this house's walls.
+    Object models are left out. If two rooms have walls of their own with one hole through both,
     it is written as one opening, midway between the walls if they are close enough.
     """
     depths = [wall.depth for wall in house.walls] or [DEFAULT_DEPTH]
@@ -43,7 +43,13 @@ def house_to_plan(house: House) -> dict[str, Any]:
     plan.update(rooms=rooms, openings=_opening_entries(house))
     if house.stairs:
         plan["stairs"] = [_flight_entry(stairs) for stairs in house.stairs]
+    if house.icons:
+        plan["fixtures"] = [_fixture_entry(icon) for icon in house.icons]
     return plan
+
+
+def _fixture_entry(icon: IconBox) -> dict[str, Any]:
+    return {"type": icon.type, "from": _point(icon.p1), "to": _point(icon.p2), **_on(icon.level)}
 
 
 def _on(level_id: str) -> dict[str, str]:

@@ -4,6 +4,7 @@ import pytest
 from places import ROOT
 from sample_houses import with_openings
 
+from plan2scene.house import IconBox
 from plan2scene.plans.formats import read_plan
 from plan2scene.plans.geometry import room_polygon
 from plan2scene.plans.plan_json import house_of_plan
@@ -23,10 +24,11 @@ def openings(house):
 
 @pytest.mark.parametrize("name", ["l_house", "ring_house", "shared_house"])
 def test_small_houses_come_back(name, request):
-    house = request.getfixturevalue(name)
+    icon = IconBox("toilet", (0.5, 0.1), (0.9, 0.8))
+    house = replace(request.getfixturevalue(name), icons=(icon,))
     again = house_of_plan(house_to_plan(house), house.id)
     assert again.rooms == house.rooms and openings(again) == openings(house)
-    assert again.doors == house.doors
+    assert again.doors == house.doors and again.icons == house.icons
 
 
 def test_guessed_openings_stay_guesses(l_house):

@@ -1,9 +1,12 @@
 import numpy as np
+import shapely
 
 from plan2scene.seeds import generator
-from plan2scene_app.tracing.settings import DOOR, LABEL_OF_TYPE, ROOM, WALL, WINDOW
+from plan2scene_app.tracing.settings import DOOR, FIXTURE_LABELS, LABEL_OF_TYPE, ROOM, WALL, WINDOW
 from plan2scene_workshop.homes.floorplans import generate_house
 from plan2scene_workshop.plans.drawing import draw_plan
+from plan2scene_workshop.plans.fixture_training import FixtureSettings, fixture_view
+from plan2scene_workshop.plans.fixtures import fixture_plan
 from plan2scene_workshop.plans.style import draw_style
 
 
@@ -30,3 +33,17 @@ def test_labels_are_of_the_rooms_and_the_openings_in_walls_that_close_them():
         assert (a[rooms] == b[rooms]).all()
         assert not (((a == 0) & (b >= ROOM)) | ((b == 0) & (a >= ROOM))).any()
     assert (drawn.labels == WALL).any()
+
+
+def test_fixtures_are_labelled_where_they_are_drawn():
+    rng = generator(0, "test fixtures")
+    drawn = fixture_plan(1, 3, rng, held_out=False)
+    found = {FIXTURE_LABELS[k] for k in np.unique(drawn.labels)}
+    assert {"none", "toilet", "sink", "stove", "counter"} <= found
+    rooms = zip(drawn.plan.rooms, drawn.plan.types, strict=True)
+    wet = [room for room, types in rooms if {"Bathroom", "Kitchen"}.intersection(types)]
+    rows, columns = np.nonzero(drawn.labels)
+    spots = np.c_[columns, rows] / drawn.ppm + drawn.origin
+    assert shapely.union_all(wet).buffer(0.05).contains(shapely.points(spots)).all()
+    image, labels = fixture_view(drawn, FixtureSettings(side=96), rng)
+    assert image.shape == (96, 96, 3) and labels.shape == (96, 96)

@@ -90,7 +90,8 @@ rule trace:
     params:
         metres_per_pixel=config["floorplans"]["metres_per_pixel"],
         model=model_of("plans"),
-        weights=hashes({"plans": model_of("plans")}),
+        fixture_model=model_of("fixtures"),
+        weights=hashes({name: model_of(name) for name in ("plans", "fixtures")}),
         contents=contents_of(picture_of),
         code=rule_code("trace"),
     script:

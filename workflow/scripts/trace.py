@@ -9,4 +9,5 @@ with job(snakemake.log[0]):
         snakemake.output.plan,
         metres_per_pixel=snakemake.params.metres_per_pixel,
         model=snakemake.params.model,
+        fixture_model=snakemake.params.fixture_model,
     )

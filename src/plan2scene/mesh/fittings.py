@@ -94,6 +94,40 @@ def stove(w: float, d: float, h: float) -> list[Block]:
     ]
 
 
+def counter(w: float, d: float, h: float) -> list[Block]:
+    """Return a worktop on cupboards with doors about half a metre wide."""
+    count = max(1, round(w / 0.5))
+    fronts = [
+        (
+            (w * k / count + 0.003, 0.12, d - 0.035),
+            (w * (k + 1) / count - 0.003, h - 0.06, d - 0.02),
+            FRONT,
+        )
+        for k in range(count)
+    ]
+    return [
+        ((0, 0.1, 0), (w, h - 0.04, d - 0.035), DARK),
+        ((0, 0, 0), (w, 0.1, d - 0.08), TOP),
+        ((0, h - 0.04, 0), (w, h, d), TOP),
+        *fronts,
+    ]
+
+
+def sink_unit(w: float, d: float, h: float) -> list[Block]:
+    """Return a counter with a basin set on it and a tap."""
+    left, right, front = 0.1 * w, 0.9 * w, d - 0.07
+    bowl = [
+        ((left + a[0], h + a[1], 0.1 + a[2]), (left + b[0], h + b[1], 0.1 + b[2]), colour)
+        for a, b, colour in _basin(right - left, front - 0.1, 0.0, 0.03, 0.03, floor=0.008)
+    ]
+    middle = w / 2
+    tap = [
+        ((middle - 0.015, h, 0.04), (middle + 0.015, h + 0.14, 0.07), METAL),
+        ((middle - 0.015, h + 0.12, 0.07), (middle + 0.015, h + 0.14, 0.2), METAL),
+    ]
+    return [*counter(w, d, h), *bowl, *tap]
+
+
 def wardrobe(w: float, d: float, h: float) -> list[Block]:
     """Return a case with doors about half a metre wide, and their handles."""
     count = max(1, round(w / 0.5))
@@ -137,16 +171,19 @@ class Kind:
     blocks: Callable[[float, float, float], list[Block]]
     size: tuple[float, float, float]  #: ordinary width, depth and height, metres
     stretch: float = 0.0  #: a model is as wide as its icon, at most this, metres; 0: ordinary width
+    deep: float = 0.0  #: a model is as deep as its icon, at most this, metres; 0: ordinary depth
 
 
 KINDS: Mapping[str, Kind] = {
     "toilet": Kind(frozenset({"toilet", "wc"}), toilet, (0.38, 0.68, 0.78)),
+    "sink_unit": Kind(frozenset({"unit"}), sink_unit, (0.8, 0.6, 0.9), 4.0, 1.3),
     "sink": Kind(frozenset({"sink", "basin", "washbasin"}), sink, (0.6, 0.48, 0.86)),
     "bath": Kind(frozenset({"bath", "bathtub", "tub"}), bath, (1.7, 0.75, 0.56), 1.9),
     "shower": Kind(frozenset({"shower", "douche"}), shower, (0.9, 0.9, 2.1)),
     "stove": Kind(
         frozenset({"stove", "cooker", "cooking", "hob", "oven"}), stove, (0.6, 0.6, 0.9), 4.0
     ),
+    "counter": Kind(frozenset({"counter", "worktop"}), counter, (1.0, 0.6, 0.9), 6.0, 1.3),
     "wardrobe": Kind(frozenset({"wardrobe", "closet", "cupboard"}), wardrobe, (1.0, 0.6, 2.1), 4.0),
     "stairs": Kind(frozenset({"stairs", "staircase", "stair"}), stairs, (3.0, 0.9, 2.5)),
 }
@@ -197,6 +234,8 @@ def _placed(
         width, depth, height = high[0] - low[0], high[1] - low[1], room.height
     elif kind.stretch:
         width = min(max(high[0] - low[0], 0.5 * width), kind.stretch)
+    if kind.deep:
+        depth = min(max(high[1] - max(low[1], OFF), 0.5 * depth), kind.deep)
     back = OFF if low[1] < NEAR_WALL and category != "stairs" else low[1]
     left = (low[0] + high[0] - width) / 2
     if back == OFF:

@@ -8,8 +8,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from plan2scene.errors import InputError
-from plan2scene.house import DEFAULT_HEIGHT, USUAL, House, Level, Room, Stairs, Wall
+from plan2scene.house import DEFAULT_HEIGHT, USUAL, House, IconBox, Level, Room, Stairs, Wall
 from plan2scene.plans.geometry import find_doors, walls_of_rooms
 from plan2scene.plans.levels import level_of, linked, read_flight, read_levels, used_levels
 from plan2scene.plans.openings import Segment, place_openings
@@ -68,6 +70,7 @@ def house_of_plan(document: Any, house_id: str, *, file: str = "") -> House:
         doors=find_doors(rooms, walls),
         levels=levels,
         stairs=linked(_stairs(source, document.get("stairs", []), levels), rooms, levels),
+        icons=_icons(source, document.get("fixtures", []), levels),
         name=source.shown_name(document.get("name")),
         heights="" if has_heights and document.get("heights") != USUAL else USUAL,
         warnings=tuple(source.warnings),
@@ -129,6 +132,20 @@ def _stairs(source: Source, entries: list[dict[str, Any]], levels: Sequence[Leve
         level = level_of(source, entry, levels, f"stairs {name}")
         flights.append(read_flight(source, name, entry, level))
     return flights
+
+
+def _icons(
+    source: Source, entries: list[dict[str, Any]], levels: Sequence[Level]
+) -> tuple[IconBox, ...]:
+    """Return the fixtures as drawn."""
+    icons = []
+    for entry in entries:
+        what = f"a {entry['type']}"
+        corners = np.array([[source.number(v, what) for v in entry[key]] for key in ("from", "to")])
+        (x0, z0), (x1, z1) = np.sort(corners, axis=0).tolist()
+        level = level_of(source, entry, levels, what)
+        icons.append(IconBox(entry["type"], (x0, z0), (x1, z1), level))
+    return tuple(icons)
 
 
 def _segments(

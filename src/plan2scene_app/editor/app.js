@@ -151,8 +151,7 @@ export class App {
     }
     if (rooms && (!picture || data.get("both"))) changes.plan = { ...plan,
       rooms: plan.rooms.map((r) => ({ ...r, polygon: r.polygon.map(far), ...(r.holes ? { holes: r.holes.map((h) => h.map(far)) } : {}) })),
-      openings: plan.openings.map((o) => ({ ...o, from: far(o.from), to: far(o.to) })),
-      ...(plan.stairs ? { stairs: plan.stairs.map((s) => ({ ...s, from: far(s.from), to: far(s.to) })) } : {}) };
+      ...Object.fromEntries(["openings", "stairs", "fixtures"].filter((key) => plan[key]).map((key) => [key, plan[key].map((one) => ({ ...one, from: far(one.from), to: far(one.to) }))])) };
     store.changeWhole(changes);
     this.fit();
     this.setTool(rooms ? "select" : "room");

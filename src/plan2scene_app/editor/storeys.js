@@ -3,7 +3,7 @@
 import { add, dist, roundPoint, sub, times, unit } from "./geometry.js";
 
 const SLAB = 0.3; // metres from a ceiling to the floor above
-const LISTS = ["rooms", "openings", "stairs"];
+const LISTS = ["rooms", "openings", "stairs", "fixtures"];
 
 /** The plan without the mark "usual" of its heights: the user has set them, photos do not correct them. */
 export const withHeights = ({ heights, ...plan }) => plan;
@@ -28,7 +28,7 @@ export function merged(plan, slice, level) {
     const place = first < 0 ? others.length : old.slice(0, first).filter((entry) => entry.level !== level).length;
     whole[key] = [...others.slice(0, place), ...mine, ...others.slice(place)];
   }
-  if (!whole.stairs.length && !plan.stairs) delete whole.stairs;
+  for (const key of ["stairs", "fixtures"]) if (!whole[key].length && !plan[key]) delete whole[key];
   return whole;
 }
 
@@ -46,7 +46,7 @@ function withLevels(plan, limits) {
   const height = Math.max(0, ...plan.rooms.map((room) => room.height)) || limits.default_height;
   const levels = [{ id: "ground", name: "Ground floor", elevation: 0, height }];
   const on = (entries) => entries.map((entry) => ({ ...entry, level: "ground" }));
-  return { ...plan, levels, rooms: on(plan.rooms), openings: on(plan.openings), ...(plan.stairs ? { stairs: on(plan.stairs) } : {}) };
+  return { ...plan, levels, rooms: on(plan.rooms), openings: on(plan.openings), ...(plan.stairs ? { stairs: on(plan.stairs) } : {}), ...(plan.fixtures ? { fixtures: on(plan.fixtures) } : {}) };
 }
 
 /** A plan with one more floor on top, or below all others: {plan, level (its id)}. */

@@ -1,7 +1,8 @@
-"""Run the plan network: a picture of a plan in, probabilities of labels out."""
+"""Run a network on a picture of a plan: probabilities of its labels out."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import cv2
@@ -16,11 +17,12 @@ from plan2scene_app.tracing.settings import PLAN_LABELS
 
 
 class PlanSegmenter:
-    """Labels pictures of plans with a :class:`SegmentationNet` for `PLAN_LABELS`."""
+    """Labels pictures of plans with a :class:`SegmentationNet`."""
 
     def __init__(self, network: SegmentationNet) -> None:
         self.network = folded(network)
         self.long_side = network.long_side
+        self.labels: int = network.architecture["labels"]
 
     @torch.no_grad()
     def probabilities(self, image: np.ndarray, *, views: int = 1) -> np.ndarray:
@@ -28,7 +30,7 @@ class PlanSegmenter:
 
         A plan has no up: the mean of up to 8 `views`, turned by quarters and mirrored, is taken.
         """
-        total = np.zeros((len(PLAN_LABELS), *image.shape[:2]), np.float32)
+        total = np.zeros((self.labels, *image.shape[:2]), np.float32)
         for view in range(views):
             # View 1 is turned by half and mirrored, so that two views already differ much.
             turns, mirrored = (0, 2, 1, 3, 2, 0, 3, 1)[view], view % 2 == 1
@@ -49,11 +51,11 @@ class PlanSegmenter:
         return np.asarray(logits[0, :, :h, :w].softmax(dim=0).numpy())
 
 
-def load_plan_segmenter(path: str | Path) -> PlanSegmenter:
-    """Return the segmenter of a weights file; InputError if it holds another network."""
+def load_plan_segmenter(path: str | Path, labels: Sequence[str] = PLAN_LABELS) -> PlanSegmenter:
+    """Return the segmenter of a weights file; InputError if it holds a network of other labels."""
     state, architecture = load_model_file(path)
     name = "the plan network"
     with fitting(name, path):
-        if architecture.get("labels") != len(PLAN_LABELS):
-            raise ValueError(f"{architecture.get('labels')} labels, not {len(PLAN_LABELS)}")
+        if architecture.get("labels") != len(labels):
+            raise ValueError(f"{architecture.get('labels')} labels, not {len(labels)}")
     return PlanSegmenter(filled(lambda: SegmentationNet(**architecture), state, name, path))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 #: In the order of the network's logits. The labels from `room` on are kinds of room: the network
 #: tells them apart by their furniture.
@@ -43,7 +44,8 @@ LABEL_OF_TYPE = {
 }
 #: Name of the network's weights in the folder of models.
 MODEL = "plans"
-#: In the order of the logits of the network that finds fixtures.
+#: Name of the weights of the network that finds fixtures; its labels in the order of its logits.
+FIXTURE_MODEL = "fixtures"
 FIXTURE_LABELS = ("none", "toilet", "sink", "bath", "shower", "stove", "counter")
 FIXTURE_PPM = 40.0  #: Scale at which that network sees a drawing, pixels per metre
 
@@ -199,6 +201,24 @@ class TraceSettings:
     garage_door: float = 2.0  #: m of the narrowest garage door
     rail: float = 0.85  #: a window along this share of a terrace's side is its rail
     terrace_door: float = 1.5  #: m of the narrowest window that is a door to a terrace
+    # Fixtures of baths and kitchens.
+    fixture_views: int = 4  #: turned and mirrored views whose mean is taken
+    fixture_score: float = 0.5  #: least mean probability of a fixture's pixels
+    #: m: least shorter and largest longer side of a fixture
+    fixture_sides: Mapping[str, tuple[float, float]] = field(
+        default_factory=lambda: {
+            "toilet": (0.25, 1.0),
+            "sink": (0.2, 1.3),
+            "bath": (0.5, 2.2),
+            "shower": (0.5, 2.0),
+            "stove": (0.35, 1.2),
+        }
+    )
+    least_worktop: float = 0.9  #: m of the shortest worktop
+    worktop_depth: tuple[float, float] = (0.3, 1.3)  #: m
+    worktop_filled: float = 0.7  #: least share of a worktop's box that is worktop
+    least_counter: float = 0.15  #: m of a counter between or beside sinks and stoves
+
     # Text and scale.
     text_px: tuple[int, int] = (1300, 2000)  #: bounds of the longer side for reading text
     printed_edge: float = 0.02  #: paper left around what is printed, share of the longer side

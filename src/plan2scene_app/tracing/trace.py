@@ -29,6 +29,7 @@ from plan2scene_app.plan_formats.axes import HEIGHTS
 from plan2scene_app.plan_formats.measures import sides_in_feet
 from plan2scene_app.tracing.drawings import Storey, shows_a_home, storeys_of
 from plan2scene_app.tracing.drawn_stairs import TracedFlight, covered, find_treads, flights_of
+from plan2scene_app.tracing.fixtures import TracedFixture, find_fixtures
 from plan2scene_app.tracing.ink import (
     drawn_solid,
     with_drawn_doors,
@@ -86,7 +87,15 @@ from plan2scene_app.tracing.scale import (
     told_area,
 )
 from plan2scene_app.tracing.segmenter import PlanSegmenter, load_plan_segmenter
-from plan2scene_app.tracing.settings import MODEL, OUTSIDE, PLAN_LABELS, ROOM, SETTINGS
+from plan2scene_app.tracing.settings import (
+    FIXTURE_LABELS,
+    FIXTURE_MODEL,
+    MODEL,
+    OUTSIDE,
+    PLAN_LABELS,
+    ROOM,
+    SETTINGS,
+)
 from plan2scene_app.tracing.sheet import Sheet
 from plan2scene_app.tracing.thin_walls import with_thin_walls
 
@@ -115,6 +124,7 @@ class TracedPlan:
     read: bool  #: whether text was read
     storeys: tuple[Storey, ...] = ()  #: the lowest first; none for a plan of one drawing
     flights: tuple[TracedFlight, ...] = ()
+    fixtures: tuple[TracedFixture, ...] = ()
     left_out: int = 0  #: number of drawings that show no home
     sheet: Sheet | None = None  #: the sheet of paper that the file shows
     pages: tuple[int, ...] = (1,)  #: numbers of the pages that are read
@@ -136,11 +146,16 @@ class TracedPlan:
 
 
 def trace_picture(
-    path: str | Path, *, metres_per_pixel: float | None = None, model: str | Path | None = None
+    path: str | Path,
+    *,
+    metres_per_pixel: float | None = None,
+    model: str | Path | None = None,
+    fixture_model: str | Path | None = None,
 ) -> TracedPlan:
     """Return the plan that a picture shows.
 
     If `metres_per_pixel` is given, for pixels of the file, it is used instead of written sizes.
+    `model` and `fixture_model` are weights to use instead of the embedded ones.
     Raises InputError if the picture shows no plan.
     """
     segmenter = load_plan_segmenter(model or MODELS / f"{MODEL}.safetensors")
@@ -189,6 +204,8 @@ def trace_picture(
     openings = with_terrace_doors(openings, open_air, SETTINGS.terrace_door / metres)
     openings = within_walls(openings, polygons, SETTINGS.overhang / metres)
     kept = tuple(o for o in openings if o.width * metres >= LEAST_WIDTH[o.kind])
+    fixture_weights = fixture_model or MODELS / f"{FIXTURE_MODEL}.safetensors"
+    fixture_segmenter = load_plan_segmenter(fixture_weights, FIXTURE_LABELS)
     return TracedPlan(
         picture.image,
         frame,
@@ -202,6 +219,7 @@ def trace_picture(
         read,
         tuple(storeys),
         tuple(flights_of(treads, rooms, storeys, metres)),
+        tuple(find_fixtures(page, frame, rooms, metres, fixture_segmenter)),
         seen.left_out,
         picture.sheet,
         pages,
@@ -520,6 +538,10 @@ def plan_document(plan: TracedPlan, file: str = "") -> dict[str, Any]:
         width = round(flight.width * plan.metres, 3)
         entry = {"id": f"stairs_{number}", "from": start, "to": end, "width": width}
         stairs.append(entry | {"level": _level_id(flight.storey)})
+    fixtures = []
+    for item in plan.fixtures:
+        ends = {"from": metric(item.low, item.room), "to": metric(item.high, item.room)}
+        fixtures.append({"type": item.kind, **ends, **on_level(item.room)})
     depth = round(float(np.clip(plan.wall_px * plan.metres, 0.05, 0.5)), 3)
     levels = [
         {"id": _level_id(k), "name": s.name, "elevation": round(STOREY * s.floor, 2)}
@@ -534,6 +556,7 @@ def plan_document(plan: TracedPlan, file: str = "") -> dict[str, Any]:
         "rooms": rooms,
         "openings": openings,
         **({"stairs": stairs} if stairs else {}),
+        **({"fixtures": fixtures} if fixtures else {}),
     }
 
 
@@ -683,9 +706,12 @@ def write_trace(
     *,
     metres_per_pixel: float | None = None,
     model: str | Path | None = None,
+    fixture_model: str | Path | None = None,
 ) -> tuple[TracedPlan, list[str]]:
     """Trace a picture, write the files of :func:`traced_files`, return the plan and its doubts."""
-    plan = trace_picture(path, metres_per_pixel=metres_per_pixel, model=model)
+    plan = trace_picture(
+        path, metres_per_pixel=metres_per_pixel, model=model, fixture_model=fixture_model
+    )
     file = Path(path).name  # without the folder: a person finds it by its name
     document = plan_document(plan, file)
     document, loose = without_loose_openings(document, file)

@@ -22,6 +22,7 @@ def objects_of(house, *icons):
 
 def test_icons_say_what_they_are(room_of_four):
     known = {"washing_basin": "sink", "cooking_counter": "stove", "CornerBathTub": "bath"}
+    known |= {"sink_unit": "sink_unit", "counter": "counter"}
     known |= {"toilet": "toilet", "Closet CoatCloset": "wardrobe", "stairs": "stairs"}
     unknown = ("special", "entrance", "piano")
     icons = [IconBox(drawn, (1.0, 0.1), (1.9, 0.9)) for drawn in (*known, *unknown)]
@@ -45,6 +46,12 @@ def test_models_fill_their_size_and_are_closed(category, room_of_four):
     mesh = part.mesh.copy()
     mesh.merge_vertices(merge_norm=True)
     assert mesh.volume > 0
+
+
+def test_a_counter_is_as_long_and_deep_as_it_is_drawn(room_of_four):
+    (part,) = objects_of(room_of_four, IconBox("counter", (0.5, 0.0), (2.7, 0.65)))
+    low, high = part.mesh.bounds[:, [0, 2]]
+    assert [*low, *high] == pytest.approx([0.5, 0.02, 2.7, 0.65], abs=1e-6)
 
 
 @pytest.mark.parametrize(

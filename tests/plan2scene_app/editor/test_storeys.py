@@ -35,6 +35,10 @@ def two_floors(drawing):
 
 def test_a_copied_floor_and_stairs_make_a_house_of_two_storeys(two_floors, tmp_path):
     drawing = two_floors
+    bath = {"type": "bath", "from": [0.1, 0.1], "to": [0.9, 1.8], "level": "ground"}
+    drawing.page.evaluate(
+        "(bath) => editor.store.changePlan({ fixtures: [bath] })", {**bath, "level": "ground"}
+    )
     plan = whole(drawing)
     assert [level["id"] for level in plan["levels"]] == ["ground", "floor_1"]
     assert plan["levels"][1]["elevation"] == pytest.approx(2.8 + 0.3)
@@ -57,6 +61,7 @@ def test_a_copied_floor_and_stairs_make_a_house_of_two_storeys(two_floors, tmp_p
         ("Floor 1", 3.1, 2.8),
     ]
     assert {room.height for room in house.rooms if room.level == "ground"} == {2.6}
+    assert [icon.level for icon in house.icons] == ["ground"]
     assert house.stairs[0].room_ids == ("room_2", "room_4") and len(house.doors) == 2
     told = {line.split("expected ")[1].split(", found")[0] for line in validate_house(house)}
     assert told == {problem["expected"] for problem in drawing.page.evaluate("editor.problems")}

@@ -24,9 +24,9 @@ from plan2scene_workshop.training.card import Card, table, write_card
 from plan2scene_workshop.training.loop import Trainer, TrainerOptions, best_device, cosine
 
 _WHAT = """
-Labels every pixel of a drawn room as none, toilet, sink, bath, shower, stove or counter (a worktop or
-vanity). `plan2scene.photos.labels.network.SegmentationNet`, {:.2f} M parameters, float16; drawings
-are scaled to {:g} pixels per metre.
+Labels every pixel of a drawn room as none, toilet, sink, bath, shower, stove or counter (a worktop
+or vanity). `plan2scene.photos.labels.network.SegmentationNet`, {:.2f} M parameters, float16;
+drawings are scaled to {:g} pixels per metre.
 """
 _SEEN = (
     "Rooms of {} synthetic homes, drawn with fixtures and furniture (`plans/fixtures.py`); every "

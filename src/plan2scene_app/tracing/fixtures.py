@@ -1,0 +1,150 @@
+"""Fixtures of baths and kitchens: what a plan's picture draws in these rooms."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from scipy import ndimage
+
+from plan2scene_app.tracing.picture import Frame
+from plan2scene_app.tracing.rooms import TracedRoom
+from plan2scene_app.tracing.segmenter import PlanSegmenter
+from plan2scene_app.tracing.settings import FIXTURE_LABELS, FIXTURE_PPM, SETTINGS
+
+_BATH, _KITCHEN = ("toilet", "sink", "bath", "shower"), ("sink", "stove")
+_COUNTER = FIXTURE_LABELS.index("counter")
+
+
+@dataclass(frozen=True)
+class TracedFixture:
+    """A fixture: its kind, the number of its room, two corners (x, y) in pixels of the frame."""
+
+    kind: str  #: of `FIXTURE_LABELS`, or "sink_unit": a sink in a counter
+    room: int
+    low: tuple[float, float]
+    high: tuple[float, float]
+
+
+def find_fixtures(
+    picture: np.ndarray,
+    frame: Frame,
+    rooms: Sequence[TracedRoom],
+    metres: float,
+    segmenter: PlanSegmenter,
+) -> list[TracedFixture]:
+    """Return the fixtures in the bathrooms and kitchens of a picture (h, w, 3) uint8 sRGB.
+
+    `metres` is the size of a pixel of the `frame`.
+    """
+    zoom = FIXTURE_PPM * metres
+    reduced = zoom * frame.zoom
+    if reduced < 1:
+        picture = cv2.GaussianBlur(picture, (0, 0), 0.5 / reduced)
+    found = []
+    for room in rooms:
+        kinds = _kinds_in(room)
+        if not kinds:
+            continue
+        x0, y0, x1, y1 = room.polygon.bounds
+        side = [
+            max(segmenter.long_side, 32 * round((b - a) * zoom / 32 + 1))
+            for a, b in ((x0, x1), (y0, y1))
+        ]
+        corner = np.array([x0 + x1, y0 + y1]) / 2 - np.array(side) / 2 / zoom
+        matrix = zoom * frame.matrix
+        matrix[:, 2] -= zoom * corner
+        view = cv2.warpAffine(
+            picture, matrix, side, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+        )
+        inside = np.zeros(view.shape[:2], np.uint8)
+        ring = np.round((np.array(room.polygon.exterior.coords) - corner) * zoom).astype(np.int32)
+        cv2.fillPoly(inside, [ring], 1)
+        probabilities = segmenter.probabilities(view, views=SETTINGS.fixture_views) * inside
+        for kind, box in worktops_and_fixtures(probabilities, kinds):
+            low, high = (corner + np.array(point) / zoom for point in (box[:2], box[2:]))
+            found.append(
+                TracedFixture(kind, room.number, tuple(low.tolist()), tuple(high.tolist()))
+            )
+    return found
+
+
+def _kinds_in(room: TracedRoom) -> tuple[str, ...]:
+    """Return the kinds of fixtures that a room may have."""
+    return (_BATH if "Bathroom" in room.types else ()) + (
+        _KITCHEN if "Kitchen" in room.types else ()
+    )
+
+
+_Box = tuple[int, int, int, int]
+
+
+def worktops_and_fixtures(
+    probabilities: np.ndarray, kinds: Sequence[str]
+) -> Iterator[tuple[str, _Box]]:
+    """Yield kind and box (x0, y0, x1, y1) of each fixture in probabilities (labels, h, w)."""
+    labels = probabilities.argmax(0)
+    single = []
+    for kind in dict.fromkeys(kinds):
+        index = FIXTURE_LABELS.index(kind)
+        low, high = SETTINGS.fixture_sides[kind]
+        for box, score in _parts(labels == index, probabilities[index]):
+            short, long = sorted((box[2] - box[0], box[3] - box[1]))
+            fits = short >= low * FIXTURE_PPM and long <= high * FIXTURE_PPM
+            if fits and score >= SETTINGS.fixture_score:
+                single.append((kind, box))
+    worktops = np.isin(labels, [_COUNTER, *(FIXTURE_LABELS.index(k) for k in ("sink", "stove"))])
+    for run in _runs(worktops):
+        yield from _divided(run, single)
+    yield from single
+
+
+def _parts(mask: np.ndarray, probability: np.ndarray) -> Iterator[tuple[_Box, float]]:
+    """Yield the box of each part of a mask (h, w) bool, and its mean probability."""
+    numbers, count = ndimage.label(mask)
+    scores = ndimage.mean(probability, numbers, np.arange(1, count + 1))
+    for (rows, columns), score in zip(ndimage.find_objects(numbers), scores, strict=True):
+        yield (columns.start, rows.start, columns.stop, rows.stop), float(score)
+
+
+def _runs(worktops: np.ndarray) -> Iterator[_Box]:
+    """Yield the box of each straight worktop of a mask (h, w) bool; a corner has two."""
+    least = round(SETTINGS.least_worktop * FIXTURE_PPM)
+    low, high = (depth * FIXTURE_PPM for depth in SETTINGS.worktop_depth)
+    left = worktops
+    for size in ((1, least), (least, 1)):
+        arms = ndimage.binary_opening(left, np.ones(size))
+        left = left & ~arms
+        for box, _ in _parts(arms, arms):
+            filled = arms[box[1] : box[3], box[0] : box[2]].mean()
+            short = min(box[2] - box[0], box[3] - box[1])
+            if low <= short <= high and filled >= SETTINGS.worktop_filled:
+                yield box
+
+
+def _divided(run: _Box, single: list[tuple[str, _Box]]) -> Iterator[tuple[str, _Box]]:
+    """Yield a worktop's parts: its sinks and stoves, taken out of `single`, and its counters."""
+    axis = 0 if run[2] - run[0] >= run[3] - run[1] else 1
+
+    def part(start: int, end: int) -> _Box:
+        box = list(run)
+        box[axis], box[axis + 2] = start, end
+        return box[0], box[1], box[2], box[3]
+
+    place = run[axis]
+    for kind, box in sorted(single, key=lambda entry: entry[1][axis]):
+        x, y = (box[0] + box[2]) / 2, (box[1] + box[3]) / 2
+        if kind not in _KITCHEN or not (run[0] <= x <= run[2] and run[1] <= y <= run[3]):
+            continue
+        single.remove((kind, box))
+        start, end = max(place, box[axis]), min(run[axis + 2], box[axis + 2])
+        if start - place >= SETTINGS.least_counter * FIXTURE_PPM:
+            yield "counter", part(place, start)
+        else:
+            start = place
+        yield "sink_unit" if kind == "sink" else kind, part(start, end)
+        place = end
+    if run[axis + 2] - place >= SETTINGS.least_counter * FIXTURE_PPM:
+        yield "counter", part(place, run[axis + 2])

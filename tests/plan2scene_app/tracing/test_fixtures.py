@@ -1,0 +1,73 @@
+from collections import Counter
+
+import cv2
+import numpy as np
+from flat_picture import PPM, flat_picture
+
+from plan2scene.images import write_png
+from plan2scene.plans.formats import read_plan
+from plan2scene_app.tracing import trace
+from plan2scene_app.tracing.fixtures import worktops_and_fixtures
+from plan2scene_app.tracing.lettering import TextLine
+from plan2scene_app.tracing.settings import FIXTURE_LABELS, FIXTURE_PPM
+from plan2scene_app.tracing.trace import write_trace
+
+
+def test_a_worktop_round_a_corner_is_cut_at_its_sink_and_stove():
+    labels = np.zeros((160, 160), int)
+
+    def put(kind, *metres):
+        x0, y0, x1, y1 = (round(v * FIXTURE_PPM) for v in metres)
+        labels[y0:y1, x0:x1] = FIXTURE_LABELS.index(kind)
+
+    put("counter", 0, 0, 3, 0.6)
+    put("counter", 0, 0.6, 0.6, 2.5)
+    put("stove", 0.05, 1.0, 0.55, 1.6)
+    put("sink", 1.5, 0.1, 2.0, 0.5)
+    put("toilet", 3, 3, 3.4, 3.7)  # no kitchen has one
+    probabilities = np.eye(len(FIXTURE_LABELS))[labels].transpose(2, 0, 1)
+    found = {
+        (kind, *(round(v / FIXTURE_PPM, 2) for v in box))
+        for kind, box in worktops_and_fixtures(probabilities, ("sink", "stove"))
+    }
+    assert found == {
+        ("counter", 0.0, 0.0, 1.5, 0.6),
+        ("sink_unit", 1.5, 0.0, 2.0, 0.6),
+        ("counter", 2.0, 0.0, 3.0, 0.6),
+        ("counter", 0.0, 0.6, 0.6, 1.0),
+        ("stove", 0.0, 1.0, 0.6, 1.6),
+        ("counter", 0.0, 1.6, 0.6, 2.5),
+    }
+
+
+def test_a_drawn_bath_stands_in_the_house(tmp_path, monkeypatch):
+    image = flat_picture()
+
+    def box(*metres):
+        return tuple(round(v * PPM) for v in metres)
+
+    def shape(x0, y0, x1, y1):
+        a, b = box(x0, y0), box(x1, y1)
+        cv2.rectangle(image, a, b, (0, 0, 0), 1)
+
+    shape(7.15, 5.2, 8.98, 5.98)  # a bath
+    shape(7.25, 5.3, 8.88, 5.88)
+    cv2.circle(image, box(7.4, 5.59), 2, (0, 0, 0), 1)
+    shape(8.8, 3.0, 8.98, 3.45)  # a toilet
+    cv2.ellipse(image, box(8.52, 3.225), box(0.28, 0.19), 0, 0, 360, (0, 0, 0), 1, cv2.LINE_AA)
+    cv2.ellipse(image, box(8.54, 3.225), box(0.2, 0.13), 0, 0, 360, (0, 0, 0), 1, cv2.LINE_AA)
+    write_png(tmp_path / "flat.png", image)
+    lines = [
+        TextLine("Wohnzimmer 20 m2", (150.0, 200.0), (80.0, 12.0), 0.99),
+        TextLine("Bad 19.4 m2", (350.0, 200.0), (90.0, 12.0), 0.99),
+    ]
+    monkeypatch.setattr(trace, "reader_installed", lambda: True)
+    monkeypatch.setattr(trace, "lines_of", lambda image, told: lines)
+    write_trace(tmp_path / "flat.png", tmp_path / "plan.json")
+    house = read_plan(tmp_path / "plan.json", "flat")
+    assert Counter(icon.type for icon in house.icons) == {"bath": 1, "toilet": 1}
+    for icon in house.icons:
+        true = np.array(
+            {"bath": (7.15, 5.2, 8.98, 5.98), "toilet": (8.25, 3, 8.98, 3.45)}[icon.type]
+        )
+        assert np.abs(np.array([*icon.p1, *icon.p2]) - (true - 1)).max() < 0.25
