@@ -84,7 +84,10 @@ _Box = tuple[int, int, int, int]
 def worktops_and_fixtures(
     probabilities: np.ndarray, kinds: Sequence[str]
 ) -> Iterator[tuple[str, _Box]]:
-    """Yield kind and box (x0, y0, x1, y1) of each fixture in probabilities (labels, h, w)."""
+    """Yield kind and box (x0, y0, x1, y1) of each fixture in probabilities (labels, h, w).
+
+    `kinds` are those that the room may have, besides counters.
+    """
     labels = probabilities.argmax(0)
     single = []
     for kind in dict.fromkeys(kinds):

@@ -13,7 +13,7 @@ from torch.nn import functional as F
 
 from plan2scene.photos.labels.network import SegmentationNet
 from plan2scene.seeds import derive_seed, generator
-from plan2scene.weights import save_model_file
+from plan2scene.weights import load_model_file, save_model_file
 from plan2scene_app.tracing.settings import FIXTURE_LABELS, FIXTURE_PPM
 from plan2scene_workshop.plans.drawing import DrawnPlan
 from plan2scene_workshop.plans.fixtures import fixture_plan
@@ -43,6 +43,8 @@ Intersection over union on {} views of other homes in styles that were not train
 class FixtureSettings:
     """Hyperparameters of the training."""
 
+    #: Weights file that training starts from (a network of the same widths); null: random weights.
+    start: str | None = None
     drawings: int = 1200  #: number of homes, each drawn in one style
     wet_share: float = 0.8  #: share of views of a bath or kitchen
     batch: int = 8  #: number of views in a step
@@ -52,6 +54,7 @@ class FixtureSettings:
     weight_decay: float = 0.02  #: of all parameters except norms and biases
     clip_norm: float = 5.0  #: largest norm of the gradient
     ema_decay: float = 0.998  #: of the moving average of the weights; the average is kept
+    rare: float = 3.0  #: weight of fixtures in the loss, because they have few pixels
     label_smoothing: float = 0.01
     bfloat16: bool = True  #: forward pass in bfloat16; faster on processors that have it
     widths: tuple[int, ...] = (12, 16, 32, 64, 96)  #: see :class:`SegmentationNet`
@@ -151,6 +154,8 @@ def train_fixtures(
         long_side=settings.side,
         labels=len(FIXTURE_LABELS),
     )
+    if settings.start:
+        network.load_state_dict(load_model_file(settings.start)[0])
     device = best_device()
     network.to(device).to(memory_format=torch.channels_last)  # type: ignore[call-overload]
 
@@ -164,13 +169,15 @@ def train_fixtures(
         numbers = rng.integers(settings.drawings, size=settings.batch)
         return _tensors([fixture_view(drawing(int(n)), settings, rng) for n in numbers])
 
+    weights = torch.full((len(FIXTURE_LABELS),), settings.rare, device=device)
+    weights[0] = 1.0
     ahead = Ahead(draw, settings.steps, workers=8 if device == "cuda" else 1)
 
     def loss(step: int, _: np.random.Generator) -> dict[str, torch.Tensor]:
         images, labels = (part.to(device) for part in ahead.batch(step))
         logits = network(images.to(memory_format=torch.channels_last))
         logits = F.interpolate(logits.float(), size=labels.shape[1:], mode="bilinear")
-        found = F.cross_entropy(logits, labels, label_smoothing=settings.label_smoothing)
+        found = F.cross_entropy(logits, labels, weights, label_smoothing=settings.label_smoothing)
         return {"labels": found}
 
     options = TrainerOptions(
