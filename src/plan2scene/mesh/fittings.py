@@ -25,6 +25,7 @@ CERAMIC: Colour = (243, 243, 240)
 WATER: Colour = (214, 224, 226)
 METAL: Colour = (168, 170, 172)
 FRONT: Colour = (222, 216, 206)
+SIDE: Colour = (196, 190, 180)
 WOOD: Colour = (176, 146, 112)
 TOP: Colour = (92, 88, 84)
 DARK: Colour = (42, 42, 44)
@@ -106,7 +107,7 @@ def counter(w: float, d: float, h: float) -> list[Block]:
         for k in range(count)
     ]
     return [
-        ((0, 0.1, 0), (w, h - 0.04, d - 0.035), DARK),
+        ((0, 0.1, 0), (w, h - 0.04, d - 0.035), SIDE),
         ((0, 0, 0), (w, 0.1, d - 0.08), TOP),
         ((0, h - 0.04, 0), (w, h, d), TOP),
         *fronts,
