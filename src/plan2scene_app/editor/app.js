@@ -59,7 +59,7 @@ export class App {
     const { selection } = this;
     if (selection?.kind === "room" && !plan.rooms.some((r) => r.id === selection.id)) this.selection = null;
     if (selection?.kind === "opening" && !plan.openings.some((o) => o.id === selection.id)) this.selection = null;
-    if (selection?.kind === "stairs" && !plan.stairs?.some((s) => s.id === selection.id)) this.selection = null;
+    if (["stairs", "fixtures"].includes(selection?.kind) && !plan[selection.kind]?.some((one) => one.id === selection.id)) this.selection = null;
     this.page.undo.disabled = !this.store.canUndo;
     this.page.redo.disabled = !this.store.canRedo;
     this.page.saved.textContent = this.store.unsaved ? "not saved" : "";
@@ -106,7 +106,7 @@ export class App {
     const { store } = this, { plan } = store;
     if (selection.kind === "room") store.changeWhole(withoutRoom(store.state, selection.id));
     else if (selection.kind === "opening") store.changePlan({ openings: plan.openings.filter((o) => o.id !== selection.id) });
-    else if (selection.kind === "stairs") store.changePlan({ stairs: plan.stairs.filter((s) => s.id !== selection.id) });
+    else if (["stairs", "fixtures"].includes(selection.kind)) store.changePlan({ [selection.kind]: plan[selection.kind].filter((one) => one.id !== selection.id) });
     else if (selection.kind === "corner") {
       const keep = (c) => dist(c, selection.point) > 0.01;
       const rooms = plan.rooms.map((room) => (room.polygon.length > 3 ? { ...room, polygon: room.polygon.filter(keep) } : room));
@@ -290,5 +290,6 @@ export function completed(plan, { limits }) {
   if (![...plan.rooms, ...(plan.levels ?? [])].some((entry) => entry.height !== undefined)) found.heights = "usual";
   if (plan.levels) found.levels = plan.levels.map((level) => ({ ...level, height: heights.get(level.id) }));
   if (plan.stairs) found.stairs = plan.stairs.map((s, k) => ({ ...s, id: entryId(s, k, "stairs") }));
+  if (plan.fixtures) found.fixtures = plan.fixtures.map((f, k) => ({ ...f, id: entryId(f, k, "fixture") }));
   return found;
 }

@@ -32,6 +32,8 @@ function chosenSection(app) {
   if (opening) return openingSection(app, opening);
   const flight = selection?.kind === "stairs" && store.plan.stairs?.find((s) => s.id === selection.id);
   if (flight) return stairsSection(app, flight);
+  const fixture = selection?.kind === "fixtures" && store.plan.fixtures?.find((f) => f.id === selection.id);
+  if (fixture) return section("Fixture", el("p", { className: "soft" }, fixture.type.replace("_", " ")), button("Delete", () => app.remove(selection), { className: "danger" }));
   if (selection?.kind === "wall") return wallSection(app, selection.edge);
   return houseSection(app);
 }

@@ -3,7 +3,7 @@
 import { add, cross, dist, dot, edgesOf, inside, mid, nearestOn, ringsOf, roundPoint, sub, times, unit } from "./geometry.js";
 import { gridOf, snap } from "./snapping.js";
 import { movedCorner, movedRoom, movedWall } from "./moves.js";
-import { flightRing, movedFlight } from "./storeys.js";
+import { fixtureRing, flightRing, movedEnds } from "./storeys.js";
 import { draw } from "./view.js";
 import { nearestWall, segmentOn } from "./walls.js";
 
@@ -25,6 +25,8 @@ export class SelectTool {
     if (corner) return { kind: "corner", point: corner };
     const wall = walls.length ? nearestWall(walls, p) : null;
     if (wall && wall.distance <= reach) return { kind: "wall", edge: [wall.wall.start, wall.wall.end] };
+    const fixture = store.plan.fixtures?.find((f) => inside([fixtureRing(f)], p));
+    if (fixture) return { kind: "fixtures", id: fixture.id };
     const flight = store.plan.stairs?.find((s) => inside([flightRing(s)], p));
     if (flight) return { kind: "stairs", id: flight.id };
     const room = [...rooms].reverse().find((r) => inside(ringsOf(r), p));
@@ -46,7 +48,7 @@ export class SelectTool {
     if (plan) app.store.change({ plan }, "drag");
   }
   up() { this.drag = null; this.app.store.endStep(); }
-  cursorAt(p) { return { corner: "move", wall: "pointer", opening: "pointer", stairs: "move", room: "pointer" }[this.find(p)?.kind] ?? "grab"; }
+  cursorAt(p) { return { corner: "move", wall: "pointer", opening: "pointer", stairs: "move", fixtures: "move", room: "pointer" }[this.find(p)?.kind] ?? "grab"; }
 
   corner({ before, found, start }, p, event) {
     const { rules, view } = this.app;
@@ -89,9 +91,11 @@ export class SelectTool {
     return movedRoom(before, found.id, shift, this.drag.walls);
   }
 
-  stairs({ before, found, start }, p, event) {
+  stairs(drag, p, event) { return this.moveEnds(drag, p, event); }
+  fixtures(drag, p, event) { return this.moveEnds(drag, p, event); }
+  moveEnds({ before, found, start }, p, event) {
     const step = gridOf(this.app.view.scale), by = sub(p, start).map((v) => (event.altKey ? v : Math.round(v / step) * step));
-    return { ...before, stairs: before.stairs.map((s) => (s.id === found.id ? movedFlight(s, by) : s)) };
+    return { ...before, [found.kind]: before[found.kind].map((one) => (one.id === found.id ? movedEnds(one, by) : one)) };
   }
 
   opening({ before, found, start }, p, event) {

@@ -105,6 +105,10 @@ export function flightRing({ from, to, width }) {
   return [add(from, side), add(to, side), sub(to, side), sub(from, side)];
 }
 
-export const movedFlight = (flight, by) => ({ ...flight, from: roundPoint(add(flight.from, by)), to: roundPoint(add(flight.to, by)) });
+/** A flight of stairs or a fixture, moved. */
+export const movedEnds = (thing, by) => ({ ...thing, from: roundPoint(add(thing.from, by)), to: roundPoint(add(thing.to, by)) });
+
+/** The corners of a fixture. */
+export const fixtureRing = ({ from: [x0, z0], to: [x1, z1] }) => [[x0, z0], [x1, z0], [x1, z1], [x0, z1]];
 
 export const flightLength = ({ from, to }) => dist(from, to);

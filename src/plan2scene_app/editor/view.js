@@ -3,7 +3,7 @@
 import { labelOf } from "./document.js";
 import { add, boundsOf, cross, dist, dot, labelPoint, mid, polygonArea, ringsOf, sub, times, unit } from "./geometry.js";
 import { gridOf } from "./snapping.js";
-import { flightRing, riseOf, stepCount } from "./storeys.js";
+import { fixtureRing, flightRing, riseOf, stepCount } from "./storeys.js";
 import { areaText, lengthText } from "./units.js";
 
 const SVG = "http://www.w3.org/2000/svg";
@@ -55,6 +55,7 @@ export class View {
     for (const room of scene.state.plan.rooms) this.drawRoom(rooms, room, scene, wrong.get(room.id));
     if (scene.below) this.drawBelow(scene.below);
     for (const flight of scene.state.plan.stairs ?? []) this.drawStairs(flight, scene);
+    for (const fixture of scene.state.plan.fixtures ?? []) this.drawFixture(fixture, scene);
     this.drawWalls(scene);
     const labels = draw(this.svg, "g", { class: "labels" });
     for (const room of scene.state.plan.rooms) this.drawLabel(labels, room, scene);
@@ -99,6 +100,12 @@ export class View {
     const lines = Array.from({ length: steps - 1 }, (_, k) => this.path([at(a, b, (k + 1) / steps), at(d, c, (k + 1) / steps)], false));
     const tip = (side) => at(flight.from, flight.to, 1 - 0.25 * flight.width / (dist(flight.from, flight.to) || 1)).map((v, k) => v + 0.25 * (side[k] - flight.to[k]));
     draw(group, "path", { d: lines.join("") + this.path([flight.from, flight.to], false) + this.path([tip(b), flight.to, tip(c)], false), class: "line" });
+  }
+
+  drawFixture(fixture, { selection }) {
+    const chosen = selection?.kind === "fixtures" && selection.id === fixture.id;
+    const path = draw(this.svg, "path", { d: this.path(fixtureRing(fixture)), class: `fixture${chosen ? " chosen" : ""}`, "data-fixture": fixture.id });
+    draw(path, "title", {}, fixture.type);
   }
 
   drawRoom(parent, room, { selection }, level) {

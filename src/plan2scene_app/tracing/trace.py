@@ -430,7 +430,12 @@ def _walls(polygons: Sequence[Polygon]) -> tuple[list[float], list[float]]:
 
 #: Usual widths of openings in homes, metres.
 _USUAL = {"door": (0.5, 2.6), "window": (0.3, 6.0), "passage": (0.5, 6.0)}
-_COLOURS = {"door": (0, 150, 60), "window": (20, 90, 235), "passage": (240, 140, 0)}
+_COLOURS = {
+    "door": (0, 150, 60),
+    "window": (20, 90, 235),
+    "passage": (240, 140, 0),
+    "fixture": (0, 140, 150),
+}
 _FILLS = ((230, 90, 80), (90, 160, 230), (110, 190, 110), (230, 180, 70), (170, 120, 210))
 
 
@@ -539,9 +544,10 @@ def plan_document(plan: TracedPlan, file: str = "") -> dict[str, Any]:
         entry = {"id": f"stairs_{number}", "from": start, "to": end, "width": width}
         stairs.append(entry | {"level": _level_id(flight.storey)})
     fixtures = []
-    for item in plan.fixtures:
-        ends = {"from": metric(item.low, item.room), "to": metric(item.high, item.room)}
-        fixtures.append({"type": item.kind, **ends, **on_level(item.room)})
+    for number, item in enumerate(plan.fixtures):
+        entry = {"id": f"fixture_{number}", "type": item.kind}
+        entry |= {"from": metric(item.low, item.room), "to": metric(item.high, item.room)}
+        fixtures.append(entry | on_level(item.room))
     depth = round(float(np.clip(plan.wall_px * plan.metres, 0.05, 0.5)), 3)
     levels = [
         {"id": _level_id(k), "name": s.name, "elevation": round(STOREY * s.floor, 2)}
@@ -677,6 +683,11 @@ def overlay(plan: TracedPlan) -> np.ndarray:
         ends = pixels([opening.start, opening.end])
         colour = _COLOURS[opening.kind]
         cv2.polylines(image, [ends], False, colour, 3 * thick, cv2.LINE_AA, 3)
+    for item in plan.fixtures:
+        low, high = (pixels([end])[0, 0] for end in (item.low, item.high))
+        cv2.rectangle(
+            image, low.tolist(), high.tolist(), _COLOURS["fixture"], thick, cv2.LINE_AA, 3
+        )
     for flight in plan.flights:
         for storey in plan.storeys[flight.storey : flight.storey + 2]:
             ends = pixels(np.array([flight.start, flight.end]) - storey.shift)[:, 0]

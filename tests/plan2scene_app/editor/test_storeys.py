@@ -35,7 +35,7 @@ def two_floors(drawing):
 
 def test_a_copied_floor_and_stairs_make_a_house_of_two_storeys(two_floors, tmp_path):
     drawing = two_floors
-    bath = {"type": "bath", "from": [0.1, 0.1], "to": [0.9, 1.8], "level": "ground"}
+    bath = {"id": "bath", "type": "bath", "from": [0.1, 0.1], "to": [0.9, 1.8]}
     drawing.page.evaluate(
         "(bath) => editor.store.changePlan({ fixtures: [bath] })", {**bath, "level": "ground"}
     )
