@@ -18,10 +18,9 @@ from plan2scene_app.tracing.settings import FIXTURE_LABELS, FIXTURE_PPM
 from plan2scene_workshop.plans.drawing import DrawnPlan
 from plan2scene_workshop.plans.fixtures import fixture_plan
 from plan2scene_workshop.plans.paper import bend, homography, worn
-from plan2scene_workshop.plans.training import ious
-from plan2scene_workshop.segmentation.training import Ahead, parameter_groups
+from plan2scene_workshop.plans.settings import LabelTraining
+from plan2scene_workshop.plans.training import fit_labels, ious
 from plan2scene_workshop.training.card import Card, table, write_card
-from plan2scene_workshop.training.loop import Trainer, TrainerOptions, best_device, cosine
 
 _WHAT = """
 Labels every pixel of a drawn room as none, toilet, sink, bath, shower, stove or counter (a worktop
@@ -40,29 +39,20 @@ Intersection over union on {} views of other homes in styles that were not train
 
 
 @dataclass(frozen=True)
-class FixtureSettings:
+class FixtureSettings(LabelTraining):
     """Hyperparameters of the training."""
 
-    #: Weights file that training starts from (a network of the same widths); null: random weights.
-    start: str | None = None
     drawings: int = 1200  #: number of homes, each drawn in one style
     wet_share: float = 0.8  #: share of views of a bath or kitchen
-    batch: int = 8  #: number of views in a step
     side: int = 192  #: side of a view in pixels
-    steps: int = 3000
-    learning_rate: float = 3e-3  #: at the peak
-    weight_decay: float = 0.02  #: of all parameters except norms and biases
-    clip_norm: float = 5.0  #: largest norm of the gradient
-    ema_decay: float = 0.998  #: of the moving average of the weights; the average is kept
     rare: float = 3.0  #: weight of fixtures in the loss, because they have few pixels
-    label_smoothing: float = 0.01
-    bfloat16: bool = True  #: forward pass in bfloat16; faster on processors that have it
     widths: tuple[int, ...] = (12, 16, 32, 64, 96)  #: see :class:`SegmentationNet`
     decoder: int = 48
-    #: The network of the best validation is kept.
-    evaluate_every: int = 500  #: steps between validations
     held_out: int = 64  #: number of views of other homes in a validation
     figures: int = 160  #: number of views in held-out styles for the card's figures
+    batch: int = 8
+    steps: int = 3000
+    evaluate_every: int = 500
 
 
 def fixture_view(
@@ -156,8 +146,6 @@ def train_fixtures(
     )
     if settings.start:
         network.load_state_dict(load_model_file(settings.start)[0])
-    device = best_device()
-    network.to(device).to(memory_format=torch.channels_last)  # type: ignore[call-overload]
 
     @cache
     def drawing(number: int) -> DrawnPlan:
@@ -169,42 +157,19 @@ def train_fixtures(
         numbers = rng.integers(settings.drawings, size=settings.batch)
         return _tensors([fixture_view(drawing(int(n)), settings, rng) for n in numbers])
 
-    weights = torch.full((len(FIXTURE_LABELS),), settings.rare, device=device)
+    weights = torch.full((len(FIXTURE_LABELS),), settings.rare)
     weights[0] = 1.0
-    ahead = Ahead(draw, settings.steps, workers=8 if device == "cuda" else 1)
-
-    def loss(step: int, _: np.random.Generator) -> dict[str, torch.Tensor]:
-        images, labels = (part.to(device) for part in ahead.batch(step))
-        logits = network(images.to(memory_format=torch.channels_last))
-        logits = F.interpolate(logits.float(), size=labels.shape[1:], mode="bilinear")
-        found = F.cross_entropy(logits, labels, weights, label_smoothing=settings.label_smoothing)
-        return {"labels": found}
-
-    options = TrainerOptions(
-        "fixtures",
-        seed,
-        settings.steps,
-        lambda step: cosine(step, settings.steps, rise=min(150, settings.steps // 10 + 1)),
-        clip_norm=settings.clip_norm,
-        average_decay=settings.ema_decay,
-        evaluate_every=settings.evaluate_every,
-        log_every=50,
-        bfloat16=settings.bfloat16,
-    )
-    optimiser = torch.optim.AdamW(
-        parameter_groups(network, settings.weight_decay), lr=settings.learning_rate
-    )
     views = _other_views(settings, settings.held_out, seed, held_out=False)
-    trainer = Trainer(
+    trained = fit_labels(
+        "fixtures",
         network,
-        loss,
-        optimiser,
-        options,
-        evaluate=lambda net: float(ious(confusion(net, views))[1:].mean()),
-        run=settings,
+        settings,
+        draw,
+        weights,
+        lambda net: float(ious(confusion(net, views))[1:].mean()),
+        seed=seed,
+        checkpoint=checkpoint,
     )
-    trainer.resume(checkpoint)
-    trained = trainer.fit(checkpoint)
     save_model_file(model_path, trained.network.state_dict(), trained.network.architecture)
     found = ious(
         confusion(trained.network, _other_views(settings, settings.figures, seed, held_out=True))

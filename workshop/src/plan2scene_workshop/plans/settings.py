@@ -6,11 +6,29 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class PlanSettings:
-    """Hyperparameters of the plan network's training."""
+class LabelTraining:
+    """Hyperparameters of training a network to label drawings.
+
+    Optimiser: AdamW; the learning rate rises linearly, then falls by a cosine to a hundredth. The
+    network of the best validation is kept.
+    """
 
     #: Weights file that training starts from (a network of the same widths); null: random weights.
     start: str | None = None
+    batch: int = 4  #: number of views in a step
+    steps: int = 6000
+    learning_rate: float = 3e-3  #: at the peak
+    weight_decay: float = 0.02  #: of all parameters except norms and biases
+    clip_norm: float = 5.0  #: largest norm of the gradient
+    ema_decay: float = 0.998  #: of the moving average of the weights; the average is kept
+    label_smoothing: float = 0.01
+    bfloat16: bool = True  #: forward pass in bfloat16; faster on processors that have it
+    evaluate_every: int = 1000  #: steps between validations
+
+
+@dataclass(frozen=True)
+class PlanSettings(LabelTraining):
+    """Hyperparameters of the plan network's training."""
 
     # Drawings.
     drawings: int = 3000  #: number of homes, each drawn in one style; a view is a copy of a drawing
@@ -19,23 +37,12 @@ class PlanSettings:
     ppm_high: float = 46.0  #: largest scale of a drawing, pixels per metre
 
     # Views.
-    batch: int = 4  #: number of views in a step
     side: int = 352  #: side of a view in pixels
 
-    # Optimiser: AdamW; the learning rate rises linearly, then falls by a cosine to a hundredth.
-    steps: int = 6000
-    learning_rate: float = 3e-3  #: at the peak
-    weight_decay: float = 0.02  #: of all parameters except norms and biases
-    clip_norm: float = 5.0  #: largest norm of the gradient
-    ema_decay: float = 0.998  #: of the moving average of the weights; the average is kept
     thin: float = 2.0  #: weight of walls and openings in the loss, because they have few pixels
-    label_smoothing: float = 0.01
-    bfloat16: bool = True  #: forward pass in bfloat16; faster on processors that have it
 
     # At inference.
     long_side: int = 640  #: pixels of the longer side of a plan's picture
 
-    # The network of the best validation is kept.
-    evaluate_every: int = 1000  #: steps between validations
     held_out: int = 16  #: number of drawings of other homes in a validation
     figures: int = 40  #: number of drawings in held-out styles for the card's figures

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from plan2scene.photos.labels.network import SegmentationNet
 from plan2scene.seeds import generator
 from plan2scene_app.tracing.settings import PLAN_LABELS, ROOM, WALL
 from plan2scene_workshop.plans.paper import worn
-from plan2scene_workshop.plans.settings import PlanSettings
+from plan2scene_workshop.plans.settings import LabelTraining, PlanSettings
 from plan2scene_workshop.plans.views import Drawings, draw_batch, other_drawing
 from plan2scene_workshop.segmentation.training import Ahead, parameter_groups
 from plan2scene_workshop.training.loop import Trained, Trainer, TrainerOptions, best_device, cosine
@@ -73,15 +74,41 @@ def train_network(
     checkpoint: Path | None = None,
 ) -> Trained[SegmentationNet]:
     """Train; return the averaged network with the best mean IoU on drawings of other homes."""
+    drawings = Drawings(settings, seed)
+    weights = torch.ones(len(PLAN_LABELS))
+    weights[WALL:ROOM] = settings.thin
+    views = other_views(settings.held_out, seed, held_out=False)
+    return fit_labels(
+        "plans",
+        network,
+        settings,
+        lambda step: draw_batch(drawings, generator(seed, "plan batch", step)),
+        weights,
+        lambda net: float(ious(structure_confusion(net, views)[0]).mean()),
+        seed=seed,
+        checkpoint=checkpoint,
+    )
+
+
+def fit_labels(
+    name: str,
+    network: SegmentationNet,
+    settings: LabelTraining,
+    draw: Callable[[int], tuple[torch.Tensor, torch.Tensor]],
+    weights: torch.Tensor,
+    evaluate: Callable[[SegmentationNet], float],
+    *,
+    seed: int,
+    checkpoint: Path | None,
+) -> Trained[SegmentationNet]:
+    """Train a network to label drawings; return the averaged one with the best evaluation.
+
+    `draw` returns the images (n, 3, h, w) and labels (n, h, w) of a step, `weights` (labels,) are
+    those of the labels in the loss.
+    """
     device = best_device()
     network.to(device).to(memory_format=torch.channels_last)  # type: ignore[call-overload]
-    drawings = Drawings(settings, seed)
-    weights = torch.ones(len(PLAN_LABELS), device=device)
-    weights[WALL:ROOM] = settings.thin
-
-    def draw(step: int) -> tuple[torch.Tensor, torch.Tensor]:
-        return draw_batch(drawings, generator(seed, "plan batch", step))
-
+    weights = weights.to(device)
     ahead = Ahead(draw, settings.steps, workers=8 if device == "cuda" else 1)
 
     def loss(step: int, _: np.random.Generator) -> dict[str, torch.Tensor]:
@@ -93,7 +120,7 @@ def train_network(
         return {"labels": found}
 
     options = TrainerOptions(
-        "plans",
+        name,
         seed,
         settings.steps,
         lambda step: cosine(step, settings.steps, rise=min(150, settings.steps // 10 + 1)),
@@ -106,14 +133,6 @@ def train_network(
     optimiser = torch.optim.AdamW(
         parameter_groups(network, settings.weight_decay), lr=settings.learning_rate
     )
-    views = other_views(settings.held_out, seed, held_out=False)
-    trainer = Trainer(
-        network,
-        loss,
-        optimiser,
-        options,
-        evaluate=lambda net: float(ious(structure_confusion(net, views)[0]).mean()),
-        run=settings,
-    )
+    trainer = Trainer(network, loss, optimiser, options, evaluate=evaluate, run=settings)
     trainer.resume(checkpoint)
     return trainer.fit(checkpoint)
