@@ -1,3 +1,4 @@
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +10,7 @@ from plan2scene.images import png_bytes
 from plan2scene.mesh.assembly import assemble
 from plan2scene.mesh.texture_files import TileTexture
 from plan2scene.plans.formats import read_plan
+from plan2scene.plans.scene_writer import write_scene_json
 
 
 def walls_of(room, openings=None):
@@ -127,3 +129,18 @@ def paint():
         return textures
 
     return make
+
+
+@pytest.fixture
+def textured(gap_house, paint, tmp_path):
+    """Return a folder with `house.scene.json` and the textures of a house of two rooms."""
+    write_scene_json(gap_house, tmp_path / "house.scene.json")
+    (tmp_path / "textures").mkdir()
+    entries = {}
+    for key, tile in paint(gap_house).items():
+        (tmp_path / "textures" / f"{key.filename}.png").write_bytes(tile.png)
+        entry = {"size_m": tile.size_m, "observed": tile.observed, "substance": tile.substance}
+        entries["/".join(key)] = entry | {"seam_corrected": False, "source": "test"}
+    index = {"method": "synth", "surfaces": entries}
+    (tmp_path / "textures" / "textures.json").write_text(json.dumps(index))
+    return tmp_path

@@ -7,7 +7,6 @@ programs of Debian's slurm-wlm; nothing outside the folder is touched.
 import os
 import secrets
 import shutil
-import signal
 import socket
 import subprocess
 import tempfile
@@ -102,20 +101,6 @@ class Cluster:
     def start_node(self, name):
         self.start(name, "slurmd", "-D", "-N", name)
 
-    def kill_node(self, name):
-        """Kill the daemon of a node and the jobs, as a machine that loses power."""
-        self.daemons[name].kill()
-        self.daemons.pop(name).wait()
-        own, node = f"SLURM_CONF={self.folder}/", f"SLURMD_NODENAME={name}"
-        for process in Path("/proc").glob("[0-9]*"):
-            try:
-                words = (process / "environ").read_text(errors="replace").split("\0")
-                step = (process / "cmdline").read_text(errors="replace").startswith("slurmstepd")
-            except OSError:
-                continue
-            if any(word.startswith(own) for word in words) and (step or node in words):
-                os.kill(int(process.name), signal.SIGKILL)
-
     def ask(self, *command):
         done = subprocess.run(
             command, env=self.environment, capture_output=True, text=True, check=False
@@ -151,16 +136,13 @@ class Cluster:
                 daemon.kill()
 
 
-def write_settings(folder, nodes, cpus, memory, min_job_age):
+def write_settings(folder, cpus, memory, min_job_age):
     """Write key, configuration and the script `srun` of a cluster."""
-    host, (port, *ports) = socket.gethostname(), free_ports(nodes + 1)
-    lines = [
-        NODE.format(name=f"node{i}", host=host, port=ports[i], cpus=cpus, memory=memory)
-        for i in range(nodes)
-    ]
+    host, (port, own) = socket.gethostname(), free_ports(2)
+    node = NODE.format(name="node0", host=host, port=own, cpus=cpus, memory=memory)
     head = CONF.format(host=host, port=port, folder=folder, min_job_age=min_job_age)
-    (folder / "slurm.conf").write_text("".join(lines) + head)
-    for name in ("state", "bin", *(f"node{i}" for i in range(nodes))):
+    (folder / "slurm.conf").write_text(node + head)
+    for name in ("state", "bin", "node0"):
         (folder / name).mkdir()
     key = folder / "munge.key"
     key.write_bytes(secrets.token_bytes(1024))
@@ -173,12 +155,12 @@ def write_settings(folder, nodes, cpus, memory, min_job_age):
 
 
 @contextmanager
-def cluster(*, nodes=1, cpus=8, memory=16000, min_job_age=300):
+def cluster(*, cpus=8, memory=16000, min_job_age=300):
     """Run a SLURM without accounting; a node claims to have `cpus` and `memory` (MB)."""
     with tempfile.TemporaryDirectory(prefix="slurm_", ignore_cleanup_errors=True) as name:
         folder = Path(name)
         folder.chmod(0o755)
-        write_settings(folder, nodes, cpus, memory, min_job_age)
+        write_settings(folder, cpus, memory, min_job_age)
         made = Cluster(folder)
         files = {"key-file": "munge.key", "socket": "munge.socket", "pid-file": "munged.pid"}
         files |= {"log-file": "munged.log", "seed-file": "munge.seed"}
@@ -187,10 +169,8 @@ def cluster(*, nodes=1, cpus=8, memory=16000, min_job_age=300):
             made.start("munge", "munged", "--force", "--foreground", *options)
             made.wait_for("MUNGE:", "munge", "-n", "--socket", str(folder / "munge.socket"))
             made.start("slurmctld", "slurmctld", "-D", "-c")
-            for i in range(nodes):
-                made.start_node(f"node{i}")
-            for i in range(nodes):
-                made.wait_for("idle", "sinfo", "--noheader", "-o", "%T", "-n", f"node{i}")
+            made.start_node("node0")
+            made.wait_for("idle", "sinfo", "--noheader", "-o", "%T", "-n", "node0")
             yield made
         finally:
             made.stop()

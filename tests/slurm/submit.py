@@ -1,6 +1,5 @@
 import subprocess
 import sys
-import textwrap
 from pathlib import Path
 
 PROFILE = Path(__file__).parents[2] / "workflow" / "profiles" / "slurm"
@@ -21,9 +20,3 @@ def submit(slurm, folder, *arguments, **further):
         timeout=1500,
         check=False,
     )
-
-
-def write_snakefile(folder, text):
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "Snakefile").write_text(textwrap.dedent(text))
-    return folder

@@ -1,55 +1,27 @@
-import threading
-import time
-
 import cluster
 import pytest
 from clones import demo_rows, make_clone
-from submit import submit, write_snakefile
+from submit import submit
 
 pytestmark = pytest.mark.slurm
 
 #: Takes more than the first attempt is given; each attempt leaves a line.
 GROWING = """
-    rule growing:
-        output: "made"
-        resources: mem_mb=lambda wildcards, attempt: 500 * attempt
-        shell:
-            "echo attempt >> attempts; "
-            "python -c 'import time; x = 600 * 2**20 * b\\"x\\"; time.sleep(5)' && touch {output}"
-"""
-LOST = """
-    rule lost:
-        output: "made"
-        shell: "echo begun >> begun; sleep 15; touch {output}"
+rule growing:
+    output: "made"
+    resources: mem_mb=lambda wildcards, attempt: 500 * attempt
+    shell:
+        "echo attempt >> attempts; "
+        "python -c 'import time; x = 600 * 2**20 * b\\"x\\"; time.sleep(5)' && touch {output}"
 """
 
 
 def test_a_job_beyond_its_memory_is_given_more(slurm, tmp_path):
-    run = submit(slurm, write_snakefile(tmp_path, GROWING), "made")
+    (tmp_path / "Snakefile").write_text(GROWING)
+    run = submit(slurm, tmp_path, "made")
     assert run.returncode == 0, run.stdout[-3000:]
     assert "exceeded memory limit" in run.stdout
     assert (tmp_path / "attempts").read_text().count("attempt") >= 2
-
-
-def test_a_job_of_a_node_that_died_runs_again(tmp_path):
-    """Its daemon and all it had started are killed; SLURM gives the job to the other node."""
-    if cluster.missing():
-        pytest.skip(cluster.missing())
-    folder = write_snakefile(tmp_path / "run", LOST)
-    with cluster.cluster(nodes=2) as made:
-        runs = []
-        run = threading.Thread(target=lambda: runs.append(submit(made, folder, "made")))
-        run.start()
-        while not (folder / "begun").exists() and run.is_alive():
-            time.sleep(0.2)
-        job, node = made.ask("squeue", "--noheader", "--format", "%i %N").split()
-        made.kill_node(node)
-        # SLURM holds a job that it requeues for two minutes.
-        made.wait_for("PENDING", "squeue", "--noheader", "--format", "%T")
-        made.ask("scontrol", "update", f"JobId={job}", "StartTime=now")
-        run.join()
-    assert runs[0].returncode == 0, runs[0].stdout[-3000:]
-    assert (folder / "begun").read_text() == "begun\nbegun\n"
 
 
 def test_a_cluster_that_would_hide_a_jobs_end_is_told_at_once(tmp_path):

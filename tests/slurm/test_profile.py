@@ -2,24 +2,24 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from clones import demo_rows, make_clone
-from submit import submit, write_snakefile
+from submit import submit
 
 pytestmark = pytest.mark.slurm
 
 #: Jobs that need nobody, and what becomes of each.
 THREE = """
-    rule all:
-        input: "fine", "cancelled", "large"
-    rule fine:
-        output: "fine"
-        shell: "echo $SLURM_JOB_PARTITION > {output}"
-    rule cancelled:
-        output: "cancelled"
-        shell: "scancel $SLURM_JOB_ID; sleep 60; touch {output}"
-    rule large:
-        output: "large"
-        resources: mem_mb=400
-        shell: "python3 -c 'import time; x = bytes(b\\"x\\" * 700 * 2**20); time.sleep(60)'"
+rule all:
+    input: "fine", "cancelled", "large"
+rule fine:
+    output: "fine"
+    shell: "echo $SLURM_JOB_PARTITION > {output}"
+rule cancelled:
+    output: "cancelled"
+    shell: "scancel $SLURM_JOB_ID; sleep 60; touch {output}"
+rule large:
+    output: "large"
+    resources: mem_mb=400
+    shell: "python3 -c 'import time; x = bytes(b\\"x\\" * 700 * 2**20); time.sleep(60)'"
 """
 
 
@@ -33,7 +33,8 @@ def runs(slurm, tmp_path_factory):
     houses = "results/tiny/houses"
     targets = [f"{houses}/{good}/crops.parquet", f"{houses}/{bad}/scene.json"]
     library = {"PYTHONPATH": str(clone.root / "src")}
-    three = write_snakefile(tmp_path_factory.mktemp("three"), THREE)
+    three = tmp_path_factory.mktemp("three")
+    (three / "Snakefile").write_text(THREE)
     with ThreadPoolExecutor(2) as pool:
         made = pool.submit(submit, slurm, clone.root, "--retries", "0", *targets, **library)
         ended = pool.submit(submit, slurm, three, "--retries", "0", SBATCH_PARTITION="other")

@@ -9,31 +9,12 @@ from plan2scene.errors import InputError
 from plan2scene.house import SurfaceKey
 from plan2scene.mesh.build import build_house
 from plan2scene.mesh.texture_files import load_textures
-from plan2scene.plans.scene_writer import write_scene_json
 from plan2scene_app.pictures.house_pictures import draw_house
 
 
-@pytest.fixture
-def folder(gap_house, paint, tmp_path):
-    write_scene_json(gap_house, tmp_path / "scene.json")
-    (tmp_path / "textures").mkdir()
-    entries = {}
-    for key, tile in paint(gap_house).items():
-        (tmp_path / "textures" / f"{key.filename}.png").write_bytes(tile.png)
-        entry = {"size_m": tile.size_m, "observed": tile.observed, "substance": tile.substance}
-        entries["/".join(key)] = entry | {"seam_corrected": False, "source": "test"}
-    write_index(tmp_path, entries)
-    return tmp_path
-
-
-def write_index(folder, entries):
-    text = json.dumps({"method": "synth", "surfaces": entries})
-    (folder / "textures" / "textures.json").write_text(text)
-
-
-def test_files_of_a_house(folder, gap_house, paint):
-    out = folder / "out"
-    args = folder / "scene.json", folder / "textures"
+def test_files_of_a_house(textured, gap_house, paint):
+    out = textured / "out"
+    args = textured / "house.scene.json", textured / "textures"
     names = "house.glb", "house.scene.json", "preview.png", "rooms.jpg", "views.jpg", "patterns.jpg"
     outputs = [out / name for name in names]
     build_house(*args, *outputs[:2], house_id="gap")
@@ -47,19 +28,19 @@ def test_files_of_a_house(folder, gap_house, paint):
         assert textures[key] == (tile.png, tile.size_m)
 
 
-def test_a_surface_without_texture_is_a_warning(folder, gap_house, caplog):
-    entries = json.loads((folder / "textures" / "textures.json").read_text())["surfaces"]
-    del entries["a/wall"]
-    write_index(folder, entries)
-    textures = load_textures(folder / "textures", gap_house)
+def test_a_surface_without_texture_is_a_warning(textured, gap_house, caplog):
+    index = json.loads((textured / "textures" / "textures.json").read_text())
+    del index["surfaces"]["a/wall"]
+    (textured / "textures" / "textures.json").write_text(json.dumps(index))
+    textures = load_textures(textured / "textures", gap_house)
     assert SurfaceKey("a", "wall") not in textures
     assert "house gap: no texture for a/wall" in caplog.text
 
 
-def test_missing_and_broken_tiles_are_refused(folder, gap_house):
-    (folder / "textures" / "a_floor.png").write_bytes(b"no picture")
+def test_missing_and_broken_tiles_are_refused(textured, gap_house):
+    (textured / "textures" / "a_floor.png").write_bytes(b"no picture")
     with pytest.raises(InputError, match=r"a_floor\.png.*expected an image"):
-        load_textures(folder / "textures", gap_house)
-    (folder / "textures" / "a_floor.png").unlink()
+        load_textures(textured / "textures", gap_house)
+    (textured / "textures" / "a_floor.png").unlink()
     with pytest.raises(InputError, match=r"a_floor\.png.*no such file"):
-        load_textures(folder / "textures", gap_house)
+        load_textures(textured / "textures", gap_house)

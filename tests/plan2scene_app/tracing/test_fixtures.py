@@ -1,5 +1,3 @@
-from collections import Counter
-
 import cv2
 import numpy as np
 import pytest
@@ -41,32 +39,24 @@ def test_a_worktop_round_a_corner_is_cut_at_its_sink_and_stove():
     }
 
 
-def test_a_drawn_bath_stands_in_the_house(tmp_path, monkeypatch):
-    image = flat_picture()
+def test_drawn_fixtures_stand_in_the_house(tmp_path, monkeypatch):
+    image, thin = flat_picture(), ((0, 0, 0), 1, cv2.LINE_AA)
 
     def box(*metres):
-        return tuple(round(v * PPM) for v in metres)
+        return [round(v * PPM) for v in metres]
 
-    def shape(x0, y0, x1, y1):
-        a, b = box(x0, y0), box(x1, y1)
-        cv2.rectangle(image, a, b, (0, 0, 0), 1)
-
-    shape(7.15, 5.2, 8.98, 5.98)  # a bath
-    shape(7.25, 5.3, 8.88, 5.88)
-    cv2.circle(image, box(7.4, 5.59), 2, (0, 0, 0), 1)
-    shape(8.8, 3.0, 8.98, 3.45)  # a toilet
-    cv2.ellipse(image, box(8.52, 3.225), box(0.28, 0.19), 0, 0, 360, (0, 0, 0), 1, cv2.LINE_AA)
-    cv2.ellipse(image, box(8.54, 3.225), box(0.2, 0.13), 0, 0, 360, (0, 0, 0), 1, cv2.LINE_AA)
+    for x0, y0, x1, y1 in ((7.15, 5.2, 8.98, 5.98), (7.25, 5.3, 8.88, 5.88), (8.8, 3, 8.98, 3.45)):
+        cv2.rectangle(image, box(x0, y0), box(x1, y1), *thin)  # a bath, its inside, a tank
+    cv2.circle(image, box(7.4, 5.59), 2, *thin)
+    for x, rx, ry in ((8.52, 0.28, 0.19), (8.54, 0.2, 0.13)):  # the bowl
+        cv2.ellipse(image, box(x, 3.225), box(rx, ry), 0, 0, 360, *thin)
     write_png(tmp_path / "flat.png", image)
-    lines = [
-        TextLine("Wohnzimmer 20 m2", (150.0, 200.0), (80.0, 12.0), 0.99),
-        TextLine("Bad 19.4 m2", (350.0, 200.0), (90.0, 12.0), 0.99),
-    ]
+    names = {"Wohnzimmer 20 m2": (150.0, 200.0), "Bad 19.4 m2": (350.0, 200.0)}
+    lines = [TextLine(name, place, (80.0, 12.0), 0.99) for name, place in names.items()]
     monkeypatch.setattr(trace, "reader_installed", lambda: True)
     monkeypatch.setattr(trace, "lines_of", lambda image, told: lines)
     write_trace(tmp_path / "flat.png", tmp_path / "plan.json")
-    house = read_plan(tmp_path / "plan.json", "flat")
-    assert Counter(icon.type for icon in house.icons) == {"bath": 1, "toilet": 1}
-    drawn = {"bath": (6.15, 4.2, 7.98, 4.98), "toilet": (7.25, 2.0, 7.98, 2.45)}
-    for icon in house.icons:
-        assert [*icon.p1, *icon.p2] == pytest.approx(drawn[icon.type], abs=0.25)
+    found = {i.type: (*i.p1, *i.p2) for i in read_plan(tmp_path / "plan.json", "flat").icons}
+    assert found.keys() == {"bath", "toilet"}
+    assert found["bath"] == pytest.approx((6.15, 4.2, 7.98, 4.98), abs=0.25)
+    assert found["toilet"] == pytest.approx((7.25, 2.0, 7.98, 2.45), abs=0.25)

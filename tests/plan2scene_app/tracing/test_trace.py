@@ -162,23 +162,15 @@ def test_what_is_no_plan_is_one_line(tmp_path, monkeypatch, image, found):
     assert [p.name for p in tmp_path.iterdir()] == ["other.png"]
 
 
-def test_a_picture_of_12000_x_9000_pixels_is_worked_on_at_a_sixth(tmp_path):
+def test_blank_paper_is_cut_before_a_large_picture_is_made_smaller(tmp_path):
     page = Image.new("1", (12_000, 9_000), 1)
-    ImageDraw.Draw(page).rectangle((1200, 1200, 10_800, 7800), outline=0, width=120)
-    page.save(tmp_path / "large.png")
-    found = pictures.read_plan_picture(tmp_path / "large.png")
-    assert found.image.shape == (1500, 2000, 3) and (found.shrunk, found.corner) == (6, (0, 0))
-    assert found.image[500, 205].max() < 60 < 200 < found.image[500, 500].min()
-
-
-def test_blank_paper_is_cut_before_a_picture_is_made_smaller(tmp_path):
-    page = Image.new("L", (6_000, 4_000), 255)
-    ImageDraw.Draw(page).rectangle((3000, 1000, 4999, 1999), outline=0, width=30)
+    ImageDraw.Draw(page).rectangle((6000, 2000, 9999, 3999), outline=0, width=60)
     page.save(tmp_path / "small.png")
     found = pictures.read_plan_picture(tmp_path / "small.png")
-    assert found.corner == (3000 - 120, 1000 - 120)  # a fiftieth of the longer side is left
-    assert found.shrunk == pytest.approx(2240 / 2000)
+    assert found.shrunk == 3  # 6 with all the paper
+    left = (6000 - 240, 2000 - 240)  # a fiftieth of the longer side is left
+    assert found.corner == pytest.approx(left, abs=6)
     rows, columns = np.nonzero(found.image.max(2) < 60)
     for axis, places in enumerate((columns, rows)):
         ends = np.array([places.min(), places.max() + 1]) * found.shrunk + found.corner[axis]
-        assert ends == pytest.approx([(3000, 5000), (1000, 2000)][axis], abs=3)
+        assert ends == pytest.approx([(6000, 10_000), (2000, 4000)][axis], abs=5)
