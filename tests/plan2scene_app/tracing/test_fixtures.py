@@ -25,11 +25,8 @@ def test_a_worktop_round_a_corner_is_cut_at_its_sink_and_stove():
     put("sink", 1.5, 0.1, 2.0, 0.5)
     put("toilet", 3, 3, 3.4, 3.7)  # no kitchen has one
     probabilities = np.eye(len(FIXTURE_LABELS))[labels].transpose(2, 0, 1)
-    found = {
-        (kind, *(round(v / FIXTURE_PPM, 2) for v in box))
-        for kind, box in worktops_and_fixtures(probabilities, ("sink", "stove"))
-    }
-    assert found == {
+    boxes = worktops_and_fixtures(probabilities, ("sink", "stove"))
+    assert {(kind, *(round(v / FIXTURE_PPM, 2) for v in box)) for kind, box in boxes} == {
         ("counter", 0.0, 0.0, 1.5, 0.6),
         ("sink_unit", 1.5, 0.0, 2.0, 0.6),
         ("counter", 2.0, 0.0, 3.0, 0.6),
@@ -51,8 +48,7 @@ def test_drawn_fixtures_stand_in_the_house(tmp_path, monkeypatch):
     for x, rx, ry in ((8.52, 0.28, 0.19), (8.54, 0.2, 0.13)):  # the bowl
         cv2.ellipse(image, box(x, 3.225), box(rx, ry), 0, 0, 360, *thin)
     write_png(tmp_path / "flat.png", image)
-    names = {"Wohnzimmer 20 m2": (150.0, 200.0), "Bad 19.4 m2": (350.0, 200.0)}
-    lines = [TextLine(name, place, (80.0, 12.0), 0.99) for name, place in names.items()]
+    lines = [TextLine("Bad 19.4 m2", (350.0, 200.0), (80.0, 12.0), 0.99)]
     monkeypatch.setattr(trace, "reader_installed", lambda: True)
     monkeypatch.setattr(trace, "lines_of", lambda image, told: lines)
     write_trace(tmp_path / "flat.png", tmp_path / "plan.json")
