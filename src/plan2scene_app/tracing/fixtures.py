@@ -7,14 +7,17 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+import shapely
 from scipy import ndimage
 
+from plan2scene_app.tracing.openings import TracedOpening
 from plan2scene_app.tracing.picture import Frame
 from plan2scene_app.tracing.rooms import TracedRoom
 from plan2scene_app.tracing.segmenter import PlanSegmenter
 from plan2scene_app.tracing.settings import FIXTURE_LABELS, FIXTURE_PPM, SETTINGS
 
 _BATH, _KITCHEN = ("toilet", "sink", "bath", "shower"), ("sink", "stove")
+_MOST_PX = 2048  #: longest side of a view; the scale may be wrong
 _COUNTER = FIXTURE_LABELS.index("counter")
 
 
@@ -32,13 +35,17 @@ def find_fixtures(
     picture: np.ndarray,
     frame: Frame,
     rooms: Sequence[TracedRoom],
+    openings: Sequence[TracedOpening],
     metres: float,
     segmenter: PlanSegmenter,
 ) -> list[TracedFixture]:
     """Return the fixtures in the bathrooms and kitchens of a picture (h, w, 3) uint8 sRGB.
 
-    `metres` is the size of a pixel of the `frame`.
+    `metres` is the size of a pixel of the `frame`. A shower or toilet before a door is its swing.
     """
+    reach = SETTINGS.before_door / metres
+    doors = [shapely.LineString([o.start, o.end]) for o in openings if o.kind != "window"]
+    before_doors = shapely.union_all([door.buffer(reach, cap_style="flat") for door in doors])
     zoom = FIXTURE_PPM * metres
     reduced = zoom * frame.zoom
     if reduced < 1:
@@ -50,7 +57,7 @@ def find_fixtures(
             continue
         x0, y0, x1, y1 = room.polygon.bounds
         side = [
-            max(segmenter.long_side, 32 * round((b - a) * zoom / 32 + 1))
+            min(max(segmenter.long_side, 32 * round((b - a) * zoom / 32 + 1)), _MOST_PX)
             for a, b in ((x0, x1), (y0, y1))
         ]
         corner = np.array([x0 + x1, y0 + y1]) / 2 - np.array(side) / 2 / zoom
@@ -63,11 +70,11 @@ def find_fixtures(
         ring = np.round((np.array(room.polygon.exterior.coords) - corner) * zoom).astype(np.int32)
         cv2.fillPoly(inside, [ring], 1)
         probabilities = segmenter.probabilities(view, views=SETTINGS.fixture_views) * inside
-        for kind, box in worktops_and_fixtures(probabilities, kinds):
-            low, high = (corner + np.array(point) / zoom for point in (box[:2], box[2:]))
-            found.append(
-                TracedFixture(kind, room.number, tuple(low.tolist()), tuple(high.tolist()))
-            )
+        for kind, sides in worktops_and_fixtures(probabilities, kinds):
+            (x0, y0), (x1, y1) = (corner + np.array(p) / zoom for p in (sides[:2], sides[2:]))
+            if kind not in _BATH or not shapely.box(x0, y0, x1, y1).intersects(before_doors):
+                ends = (float(x0), float(y0)), (float(x1), float(y1))
+                found.append(TracedFixture(kind, room.number, *ends))
     return found
 
 
@@ -93,11 +100,11 @@ def worktops_and_fixtures(
     for kind in dict.fromkeys(kinds):
         index = FIXTURE_LABELS.index(kind)
         low, high = SETTINGS.fixture_sides[kind]
-        for box, score in _parts(labels == index, probabilities[index]):
-            short, long = sorted((box[2] - box[0], box[3] - box[1]))
+        for sides, score in _parts(labels == index, probabilities[index]):
+            short, long = sorted((sides[2] - sides[0], sides[3] - sides[1]))
             fits = short >= low * FIXTURE_PPM and long <= high * FIXTURE_PPM
             if fits and score >= SETTINGS.fixture_score:
-                single.append((kind, box))
+                single.append((kind, sides))
     worktops = np.isin(labels, [_COUNTER, *(FIXTURE_LABELS.index(k) for k in ("sink", "stove"))])
     for run in _runs(worktops):
         yield from _divided(run, single)

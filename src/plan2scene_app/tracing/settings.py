@@ -214,6 +214,7 @@ class TraceSettings:
             "stove": (0.35, 1.2),
         }
     )
+    before_door: float = 0.3  #: m in front of a door where no fixture stands
     least_worktop: float = 0.9  #: m of the shortest worktop
     worktop_depth: tuple[float, float] = (0.3, 1.3)  #: m
     worktop_filled: float = 0.7  #: least share of a worktop's box that is worktop

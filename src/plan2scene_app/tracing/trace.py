@@ -219,7 +219,7 @@ def trace_picture(
         read,
         tuple(storeys),
         tuple(flights_of(treads, rooms, storeys, metres)),
-        tuple(find_fixtures(page, frame, rooms, metres, fixture_segmenter)),
+        tuple(find_fixtures(page, frame, rooms, kept, metres, fixture_segmenter)),
         seen.left_out,
         picture.sheet,
         pages,
