@@ -17,6 +17,7 @@ from plan2scene_app.tracing.segmenter import PlanSegmenter
 from plan2scene_app.tracing.settings import FIXTURE_LABELS, FIXTURE_PPM, SETTINGS
 
 _BATH, _KITCHEN = ("toilet", "sink", "bath", "shower"), ("sink", "stove")
+_SWUNG = ("toilet", "shower")  #: what the swing of a door looks like
 _MOST_PX = 2048  #: longest side of a view; the scale may be wrong
 _COUNTER = FIXTURE_LABELS.index("counter")
 
@@ -72,7 +73,7 @@ def find_fixtures(
         probabilities = segmenter.probabilities(view, views=SETTINGS.fixture_views) * inside
         for kind, sides in worktops_and_fixtures(probabilities, kinds):
             (x0, y0), (x1, y1) = (corner + np.array(p) / zoom for p in (sides[:2], sides[2:]))
-            if kind not in _BATH or not shapely.box(x0, y0, x1, y1).intersects(before_doors):
+            if kind not in _SWUNG or not shapely.box(x0, y0, x1, y1).intersects(before_doors):
                 ends = (float(x0), float(y0)), (float(x1), float(y1))
                 found.append(TracedFixture(kind, room.number, *ends))
     return found
