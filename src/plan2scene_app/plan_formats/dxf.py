@@ -88,10 +88,14 @@ def layers_of(pairs: Sequence[str]) -> dict[str, str]:
     return patterns
 
 
+def layer_of(entity: Any) -> str:
+    """Return the name of an entity's layer; empty if it has none."""
+    return str(entity.dxf.get("layer", "")) if entity.dxf.is_supported("layer") else ""
+
+
 def names_of(entity: Any) -> list[str]:
     """Return the names that give an entity's kind: its block's, if it is one, and its layer's."""
-    layer = entity.dxf.get("layer", "") if entity.dxf.is_supported("layer") else ""
-    names = [str(layer)]
+    names = [layer_of(entity)]
     if entity.dxftype() == "INSERT":
         names.insert(0, str(entity.dxf.get("name", "")))
     return names
@@ -142,7 +146,7 @@ class ShownKinds:
 
     def of(self, entity: Any) -> str | None:
         """Return an entity's kind; blocks on layers that are off may have parts on others."""
-        layer, kind = str(entity.dxf.get("layer", "0")), self.kinds.of(entity)
+        layer, kind = layer_of(entity), self.kinds.of(entity)
         whole = entity.dxftype() != "INSERT" or kind in ("doors", "windows")
         if layer.casefold() not in (self.hidden if whole else self.frozen):
             return kind
