@@ -609,6 +609,10 @@ def doubts(plan: TracedPlan) -> Iterator[str]:
     for flight in plan.flights:
         low, high = (plan.storeys[flight.storey + k].name for k in (0, 1))
         yield f"stairs from {low} to {high}: made as one straight flight; their way up is a guess"
+    if plan.fixtures:
+        places = {item.room for item in plan.fixtures}
+        names = ", ".join(room.id for room in plan.rooms if room.number in places)
+        yield f"fixtures of {names}: made as they are drawn; the editor deletes wrong ones"
     if plan.left_out:
         yield f"drawings left out, as they have no rooms with doors: {plan.left_out}"
     yield from _doubts_of_sizes(plan)
