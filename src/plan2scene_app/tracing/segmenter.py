@@ -54,7 +54,7 @@ class PlanSegmenter:
 def load_plan_segmenter(path: str | Path, labels: Sequence[str] = PLAN_LABELS) -> PlanSegmenter:
     """Return the segmenter of a weights file; InputError if it holds a network of other labels."""
     state, architecture = load_model_file(path)
-    name = "the plan network"
+    name = "the plan network" if labels == PLAN_LABELS else "the fixture network"
     with fitting(name, path):
         if architecture.get("labels") != len(labels):
             raise ValueError(f"{architecture.get('labels')} labels, not {len(labels)}")
