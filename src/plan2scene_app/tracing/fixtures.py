@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 import shapely
 from scipy import ndimage
 
+from plan2scene.house import OPEN_AIR
+from plan2scene_app.ids import free_id
 from plan2scene_app.tracing.openings import TracedOpening
 from plan2scene_app.tracing.picture import Frame
 from plan2scene_app.tracing.rooms import TracedRoom
@@ -17,6 +19,7 @@ from plan2scene_app.tracing.segmenter import PlanSegmenter
 from plan2scene_app.tracing.settings import FIXTURE_LABELS, FIXTURE_PPM, SETTINGS
 
 _BATH, _KITCHEN = ("toilet", "sink", "bath", "shower"), ("sink", "stove")
+_NO_USE = ("Unknown", "Closet", "Corridor")  #: types that other evidence may replace
 _SWUNG = ("toilet", "shower")  #: what the swing of a door looks like
 _MOST_PX = 2048  #: longest side of a view; the scale may be wrong
 _COUNTER = FIXTURE_LABELS.index("counter")
@@ -40,8 +43,9 @@ def find_fixtures(
     metres: float,
     segmenter: PlanSegmenter,
 ) -> list[TracedFixture]:
-    """Return the fixtures in the bathrooms and kitchens of a picture (h, w, 3) uint8 sRGB.
+    """Return the fixtures in bathrooms, kitchens and unnamed rooms of a picture.
 
+    `picture` is (h, w, 3) uint8 sRGB.
     `metres` is the size of a pixel of the `frame`. A shower or toilet before a door is its swing.
     """
     reach = SETTINGS.before_door / metres
@@ -81,9 +85,41 @@ def find_fixtures(
 
 def _kinds_in(room: TracedRoom) -> tuple[str, ...]:
     """Return the kinds of fixtures that a room may have."""
-    return (_BATH if "Bathroom" in room.types else ()) + (
-        _KITCHEN if "Kitchen" in room.types else ()
-    )
+    unnamed = not room.named and OPEN_AIR.isdisjoint(room.types)
+    return _BATH + _KITCHEN if unnamed else _kinds_of(room.types)
+
+
+def _kinds_of(types: Sequence[str]) -> tuple[str, ...]:
+    return (_BATH if "Bathroom" in types else ()) + (_KITCHEN if "Kitchen" in types else ())
+
+
+def with_types_by_fixtures(
+    rooms: Sequence[TracedRoom], fixtures: Sequence[TracedFixture], metres: float
+) -> tuple[list[TracedRoom], list[TracedFixture]]:
+    """Return rooms, the unnamed ones with types by their fixtures, and the fixtures that fit them.
+
+    A toilet, bath or shower makes a small room of no known use a bathroom; two of them, or one with
+    a sink, make any small room a bathroom. A sink and a stove make a room a kitchen, and a living
+    room one with a kitchen. `metres` is the size of a pixel.
+    """
+    taken = {room.id for room in rooms}
+    typed_rooms, fitting = [], []
+    for room in rooms:
+        inside = [fixture for fixture in fixtures if fixture.room == room.number]
+        kinds = {fixture.kind.removesuffix("_unit") for fixture in inside}
+        types = room.types
+        if not room.named:
+            bath = kinds.intersection(_BATH)
+            small = room.polygon.area * metres**2 < SETTINGS.bath[1]
+            if small and bath - {"sink"} and (len(bath) > 1 or types[0] in _NO_USE):
+                types = ("Bathroom",)
+            elif {"stove", "sink"} <= kinds and "Kitchen" not in types:
+                types = (*types, "Kitchen") if types == ("Reception",) else ("Kitchen",)
+        identifier = room.id if types[0] == room.types[0] else free_id(types[0], taken)
+        typed_rooms.append(replace(room, types=types, id=identifier))
+        if possible := _kinds_of(types):
+            fitting += [f for f in inside if f.kind in (*possible, "counter", "sink_unit")]
+    return typed_rooms, fitting
 
 
 _Box = tuple[int, int, int, int]

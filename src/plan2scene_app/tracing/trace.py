@@ -29,7 +29,7 @@ from plan2scene_app.plan_formats.axes import HEIGHTS
 from plan2scene_app.plan_formats.measures import sides_in_feet
 from plan2scene_app.tracing.drawings import Storey, shows_a_home, storeys_of
 from plan2scene_app.tracing.drawn_stairs import TracedFlight, covered, find_treads, flights_of
-from plan2scene_app.tracing.fixtures import TracedFixture, find_fixtures
+from plan2scene_app.tracing.fixtures import TracedFixture, find_fixtures, with_types_by_fixtures
 from plan2scene_app.tracing.ink import (
     drawn_solid,
     with_drawn_doors,
@@ -206,6 +206,8 @@ def trace_picture(
     kept = tuple(o for o in openings if o.width * metres >= LEAST_WIDTH[o.kind])
     fixture_weights = fixture_model or MODELS / f"{FIXTURE_MODEL}.safetensors"
     fixture_segmenter = load_plan_segmenter(fixture_weights, FIXTURE_LABELS)
+    fixtures = find_fixtures(page, frame, rooms, kept, metres, fixture_segmenter)
+    rooms, fixtures = with_types_by_fixtures(rooms, fixtures, metres)
     return TracedPlan(
         picture.image,
         frame,
@@ -219,7 +221,7 @@ def trace_picture(
         read,
         tuple(storeys),
         tuple(flights_of(treads, rooms, storeys, metres)),
-        tuple(find_fixtures(page, frame, rooms, kept, metres, fixture_segmenter)),
+        tuple(fixtures),
         seen.left_out,
         picture.sheet,
         pages,

@@ -1,13 +1,19 @@
 import cv2
 import numpy as np
 import pytest
+import shapely
 from flat_picture import PPM, flat_picture
 
 from plan2scene.images import write_png
 from plan2scene.plans.formats import read_plan
 from plan2scene_app.tracing import trace
-from plan2scene_app.tracing.fixtures import worktops_and_fixtures
+from plan2scene_app.tracing.fixtures import (
+    TracedFixture,
+    with_types_by_fixtures,
+    worktops_and_fixtures,
+)
 from plan2scene_app.tracing.lettering import TextLine
+from plan2scene_app.tracing.rooms import TracedRoom
 from plan2scene_app.tracing.settings import FIXTURE_LABELS, FIXTURE_PPM
 from plan2scene_app.tracing.trace import write_trace
 
@@ -34,6 +40,26 @@ def test_a_worktop_round_a_corner_is_cut_at_its_sink_and_stove():
         ("stove", 0.0, 1.0, 0.6, 1.6),
         ("counter", 0.0, 1.6, 0.6, 2.5),
     }
+
+
+@pytest.mark.parametrize(
+    "kind, named, side, fixtures, types, kept",
+    [
+        ("Unknown", False, 2, ["toilet"], ("Bathroom",), 1),
+        ("Bedroom", False, 2, ["toilet", "sink_unit"], ("Bathroom",), 2),
+        ("Bedroom", False, 2, ["toilet"], ("Bedroom",), 0),  # a chair, taken for a toilet
+        ("Unknown", False, 5, ["toilet", "bath"], ("Unknown",), 0),
+        ("Unknown", True, 2, ["toilet"], ("Unknown",), 0),
+        ("Reception", False, 5, ["sink_unit", "counter", "stove"], ("Reception", "Kitchen"), 3),
+        ("Bedroom", False, 5, ["sink_unit", "counter", "toilet"], ("Bedroom",), 0),
+    ],
+)
+def test_fixtures_tell_what_an_unnamed_room_is(kind, named, side, fixtures, types, kept):
+    polygon = shapely.box(0, 0, 10 * side, 10 * side)
+    room = TracedRoom(1, polygon, "one", "", (kind,), named, 1.0, ())
+    drawn = [TracedFixture(fixture, 1, (0, 0), (5, 5)) for fixture in fixtures]
+    (typed,), fitting = with_types_by_fixtures([room], drawn, metres=0.1)
+    assert (typed.types, len(fitting)) == (types, kept)
 
 
 def test_drawn_fixtures_stand_in_the_house(tmp_path, monkeypatch):
