@@ -226,12 +226,19 @@ def with_types_by_marks(
     """Return rooms, the unnamed ones with types by their size, doors and what is drawn in them.
 
     A plan that names its rooms often leaves only baths, halls, wardrobes and stairs unnamed. A type
-    that the network saw is therefore kept only if no name on the plan gives it. Rooms stay as they
-    are if fewer than half have a name. `image` (h, w, 3) uint8 has no text; `treads` is the share
+    that the network saw is therefore kept only if no name on the plan gives it. If fewer than half
+    have a name, only treads tell more. `image` (h, w, 3) uint8 has no text; `treads` is the share
     of each room's floor under treads; `metres` is the size of a pixel.
     """
     if 2 * sum(room.named for room in rooms) < len(rooms):
-        return list(rooms)
+        taken = {room.id for room in rooms}
+        stairs = {r.number for r in rooms if not r.named and treads[r.number] > SETTINGS.stairs}
+        return [
+            replace(room, types=("Staircase",), id=free_id("Staircase", taken))
+            if room.number in stairs
+            else room
+            for room in rooms
+        ]
     named_types = {kind for room in rooms if room.named for kind in room.types}
     light = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY).astype(np.float32)
     slopes = cv2.Sobel(light, cv2.CV_32F, 1, 0), cv2.Sobel(light, cv2.CV_32F, 0, 1)

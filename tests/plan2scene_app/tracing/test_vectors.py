@@ -157,6 +157,9 @@ def test_marks_tell_what_an_unnamed_room_is(step, treads, kind):
     taken = {room.number: treads for room in rooms}
     found = outlines.with_types_by_marks(rooms, openings, regions, image, taken, 1 / PPM)
     assert {room.types for room in found} == {("Bedroom",), (kind,)}
+    rooms = [replace(room, named=False) for room in rooms]
+    found = outlines.with_types_by_marks(rooms, openings, regions, image, taken, 1 / PPM)
+    assert {r.types for r in found} == ({("Staircase",)} if treads else {r.types for r in rooms})
 
 
 def test_a_plan_that_names_a_bedroom_names_all():
