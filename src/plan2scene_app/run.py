@@ -95,7 +95,7 @@ class SingleHouse:
     name: str = ""
     #: Further pictures: each shows another storey of the home.
     storeys: tuple[Path, ...] = ()
-    #: Photo table of an earlier run that the user changed: rooms of the photos in `photos_dir`.
+    #: Photo table of an earlier run that the user changed: its rooms override `photo_table`.
     corrections: Path | None = None
     #: Files of the views of each 360-degree photo, by name; see `panoramas.cut_panoramas`.
     views: Mapping[str, Mapping[str, Path]] = field(default_factory=dict)
@@ -136,33 +136,40 @@ def read_input(request: SingleHouse) -> list[str]:
         house = read_plan(request.plan, request.house, request.metres_per_pixel, request.dxf_layers)
         for line in validate_house(house, file=request.plan):
             _LOG.warning("%s", line)
+    if request.corrections is not None and house is not None:
+        read_assignment(request.corrections, house, house_id=request.house)
     if request.photo_table is not None:
+        if request.photos_dir is not None and not request.photos_dir.is_dir():
+            raise InputError("the folder of the photos", "no such folder", file=request.photos_dir)
         if kind := PlanFile(request.photo_table, request.house).binary:
             raise InputError("a folder of photos, or a table", kind, file=request.photo_table)
         rows = read_assignment(request.photo_table, house, house_id=request.house)
         names = sorted({row.photo for row in rows})
+        if not names:
+            empty = InputError("at least one photo", "none", file=request.photo_table)
+            _LOG.warning("%s", empty)
     elif request.photos_dir is not None:
-        if request.corrections is not None and house is not None:
-            read_assignment(request.corrections, house, house_id=request.house)
         names = photos_in(request.photos_dir, plan_files(request))
     else:
         return []
     names = list(dict.fromkeys(view for name in names for view in request.views.get(name, [name])))
-    faults: dict[str, str] = {}
-    for name, path in _photo_paths(request, names).items():
+    faults: dict[str, InputError] = {}
+    paths = _photo_paths(request, names)
+    for name, path in paths.items():
         try:
             photo_problem(path, house_id=request.house)
             if panorama_of(path) is not None:
                 expected = f"a panorama that shows {FOV_DEG:g} degrees, also up and down"
                 raise InputError(expected, "a narrower one", file=path, house=request.house)
-        except InputError as fault:
-            faults[name] = str(fault)
+        except InputError as error:
+            faults[name] = error
     if names and len(faults) == len(names):
-        what = f"none of {len(names)}; the first: {next(iter(faults.values()))}"
+        name, first = next(iter(faults.items()))
+        what = f"none of {len(names)}; the first, {paths[name]}: {first.found}"
         source = request.photo_table or request.photos_dir or ""
         raise InputError("a photo that can be read", what, file=source)
-    for line in faults.values():
-        _LOG.warning("%s", line)
+    for fault in faults.values():
+        _LOG.warning("%s", fault)
     if faults:
         _LOG.warning("%d of %d photos are used", len(names) - len(faults), len(names))
     # What a table names stays: the workflow says of it, too, why it is left out.
@@ -268,7 +275,7 @@ def prepare(request: SingleHouse, names: list[str], work: Path) -> Path:
     if request.photo_table is not None or names:
         _copy_photos(names, photos, request)
         assignment = "photoroom.csv"
-    if request.photo_table is not None and not request.views:
+    if request.photo_table is not None and not (request.views or request.corrections):
         _copy_changed(request.photo_table, root / assignment)
     elif assignment:
         _write_changed(_table_of(names, request).encode(), root / assignment)
@@ -294,10 +301,12 @@ def _table_of(names: list[str], request: SingleHouse) -> str:
     Views have the rooms of their 360-degree photo.
     """
     rooms: dict[str, list[str]] = {}
-    source = request.photo_table or request.corrections
-    for row in read_assignment(source, house_id=request.house) if source else ():
-        for name in request.views.get(row.photo, [row.photo]):
-            rooms.setdefault(name, []).append(row.room_id)
+    for source in filter(None, (request.photo_table, request.corrections)):
+        given: dict[str, list[str]] = {}
+        for row in read_assignment(source, house_id=request.house):
+            for name in request.views.get(row.photo, [row.photo]):
+                given.setdefault(name, []).append(row.room_id)
+        rooms |= {name: ids for name, ids in given.items() if any(ids)}
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow(["room_id", "photo"])
@@ -409,9 +418,12 @@ def run(
     with unpacked(request.photos_dir) as photos_dir, tempfile.TemporaryDirectory() as views:
         request = replace(request, photos_dir=photos_dir)
         request = replace(request, views=_views(request, Path(views)))
-        if not request.photo_table and changed_by_hand(out, PHOTO_TABLE):
-            request = replace(request, corrections=out / PHOTO_TABLE)
-            _LOG.warning("%s was changed since the last run: its rooms are used", out / PHOTO_TABLE)
+        table, plan = out / PHOTO_TABLE, out / "plan.json"
+        if changed_by_hand(out, PHOTO_TABLE) and table.resolve() != _resolved(request):
+            request = replace(request, corrections=table)
+            _LOG.warning("%s was changed since the last run: its rooms are used", table)
+        if is_picture(request) and changed_by_hand(out, plan.name):
+            _LOG.warning("%s was changed since the last run: --plan %s uses it", plan, plan)
         names = read_input(request)
         wanted = (*DELIVERED, *OF_PHOTOS) if names else DELIVERED
         wanted += TRACED if is_picture(request) else ()

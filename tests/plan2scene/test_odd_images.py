@@ -75,10 +75,6 @@ def turned(orientation):
     return saved(Image.fromarray(np.ascontiguousarray(stored)), "JPEG", quality=95, exif=exif)
 
 
-def jpeg(**options):
-    return saved(rgb(), "JPEG", quality=95, **options)
-
-
 def with_profile(form, **options):
     """Return `drawn` with red and green exchanged, in the pixels and in the embedded profile."""
     profile = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
@@ -138,7 +134,7 @@ def damaged_exif():
 
 
 def damaged_icc():
-    return jpeg(icc_profile=b"\x00\x00\x02\x00lcms" + b"\xa5" * 500)
+    return saved(rgb(), "JPEG", quality=95, icc_profile=b"\x00\x00\x02\x00lcms" + b"\xa5" * 500)
 
 
 def png_with(*extra):
@@ -146,6 +142,7 @@ def png_with(*extra):
     return whole[:33] + b"".join(extra) + whole[33:]
 
 
+MPO = {"save_all": True, "quality": 95}
 #: name: (bytes, expected pixels, largest error per channel)
 WORKS = {
     "rgb.png": (lambda: saved(rgb(), "PNG"), drawn, 0),
@@ -160,11 +157,7 @@ WORKS = {
     "alpha.png": (lambda: with_alpha("RGBA"), lambda: white_last(drawn()), 0),
     "grey_alpha.png": (lambda: with_alpha("LA"), lambda: white_last(grey(luma())), 0),
     "animated.gif": (animated, drawn, 0),
-    "two_pictures.jpg": (
-        lambda: saved(rgb(), "MPO", save_all=True, append_images=[rgb()], quality=95),
-        drawn,
-        12,
-    ),
+    "two_pictures.jpg": (lambda: saved(rgb(), "MPO", append_images=[rgb()], **MPO), drawn, 12),
     "damaged_exif.jpg": (damaged_exif, lambda: np.ascontiguousarray(np.rot90(drawn())), 12),
     "damaged_icc.jpg": (damaged_icc, drawn, 12),
     "profile.jpg": (lambda: with_profile("JPEG", quality=95), drawn, 14),
@@ -177,8 +170,7 @@ def test_odd_but_whole_images_give_the_pixels_that_were_drawn(tmp_path, name):
     make, expected, tolerance = WORKS[name]
     path = tmp_path / name
     path.write_bytes(make())
-    found = read_image(path)
-    wanted = expected()
+    found, wanted = read_image(path), expected()
     assert found.shape == wanted.shape and found.dtype == np.uint8
     # JPEG blurs across the border of two quarters: only flat parts are compared exactly.
     error = np.abs(found.astype(int) - wanted)

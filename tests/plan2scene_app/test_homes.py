@@ -19,7 +19,7 @@ def test_plans_are_found_and_a_home_that_fails_stops_no_other(tmp_path, monkeypa
     shutil.copy(PLAN, tmp_path / "drawn" / "plan.json")
     shutil.make_archive(str(tmp_path / "zipped"), "zip", tmp_path / ".hidden")
     (tmp_path / "out" / "a b").mkdir(parents=True)
-    made = {}
+    made, ended = {}, False
 
     def run(request, out, **_):
         made[out.name] = [path.name for path in (request.plan, *request.storeys)]
@@ -32,7 +32,6 @@ def test_plans_are_found_and_a_home_that_fails_stops_no_other(tmp_path, monkeypa
 
     monkeypatch.setattr(homes, "run", run)
     asked = ["run", "--homes", str(tmp_path), "--out", str(tmp_path / "out")]
-    ended = False
     result = CliRunner().invoke(app, asked)
     found = pages | {"fails": ["Grundriss.png"], "drawn": ["plan.json"]}
     assert made == found | {"zipped": ["floorplan.jpg"]}

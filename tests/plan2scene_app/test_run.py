@@ -75,12 +75,35 @@ def test_a_table_names_the_views_of_a_panorama(given, tmp_path):
     assert rows == ["room_id,photo", "hall,a_1.jpg", "hall,a_2.jpg", "bath,b.jpg"]
     names = sorted(path.name for path in (tmp_path / "dataset" / "photos").iterdir())
     assert names == ["a_1.jpg", "a_2.jpg", "b.jpg"]
+    corrected = given / "2" / "photos.csv"
+    corrected.write_text("photo,room_id,guess\na_2.jpg,bath,\nb.jpg,hall,hall\n")
+    prepare(replace(asked, corrections=corrected), ["a_1.jpg", "a_2.jpg", "b.jpg"], tmp_path)
+    rows = (tmp_path / "dataset" / "photoroom.csv").read_text().splitlines()
+    assert rows == ["room_id,photo", "hall,a_1.jpg", "bath,a_2.jpg", "bath,b.jpg"]
     asked = replace(asked, photo_table=None, photos_dir=table.parent, corrections=table)
     prepare(asked, ["b.jpg", "c.jpg"], tmp_path)
     rows = (tmp_path / "dataset" / "photoroom.csv").read_text().splitlines()
     assert rows == ["room_id,photo", "bath,b.jpg", ",c.jpg"]
     with pytest.raises(InputError, match=r"1/photos\.csv, .* room bath: expected a room of the"):
         runs.read_input(replace(asked, plan=PLAN))
+
+
+def test_a_table_or_plan_of_a_run_that_was_changed_by_hand_is_used(given, monkeypatch, caplog):
+    seen, out, asked = [], given / "2", request(given / "1")
+    monkeypatch.setattr(runs, "_views", lambda *_: {})
+    monkeypatch.setattr(runs, "read_input", lambda one: seen.append(one.corrections) or 1 / 0)
+    (out / "work").mkdir()
+    (out / "work" / "delivered.json").write_text('{"digests": {"photos.csv": [], "plan.json": []}}')
+    asked.plan.write_bytes(b"\x89PNG")
+    for table in (asked.photo_table, out / "photos.csv"):
+        with pytest.raises(ZeroDivisionError):
+            runs.run(replace(asked, photo_table=table), out, cores=1)
+    assert seen == [out / "photos.csv", None]
+    assert caplog.text.count("its rooms are used") == 1 and caplog.text.count("--plan") == 2
+    monkeypatch.undo()
+    (given / "1" / "photos.csv").write_text("room_id,photo\n")
+    assert runs.read_input(replace(asked, plan=PLAN)) == []
+    assert "1/photos.csv: expected at least one photo, found none" in caplog.text
 
 
 @pytest.mark.parametrize(("installed", "masks"), [(True, "imagenet"), (False, "embedded")])

@@ -55,25 +55,20 @@ def test_pictures_of_storeys_become_one_page(names, tmp_path, caplog):
     assert made.stat().st_mtime_ns == before
 
 
-def test_storeys_are_pictures_that_are_not_empty(picture, tmp_path):
-    other = tmp_path / "first.json"
-    other.write_text("{}")
-    with pytest.raises(InputError, match="a picture of each storey"):
-        read_input(replace(request(picture), storeys=(other,)))
-    with pytest.raises(InputError, match="without a scale, found --metres"):
-        read_input(replace(request(picture), storeys=(picture,), metres_per_pixel=0.02))
-    with pytest.raises(InputError, match="another picture for each storey"):
-        read_input(replace(request(picture), storeys=(picture,)))
-    path = tmp_path / "empty.png"
-    write_png(path, np.full((200, 300, 3), 255, np.uint8))
-    with pytest.raises(InputError, match="an empty page"):
-        read_input(request(path))
-
-
-def test_a_single_photo_is_no_table_of_photos(picture):
-    fault = pytest.raises(InputError, match="a folder of photos, or a table, found a PNG picture")
-    with fault:
-        read_input(request(picture, table=picture))
+def test_what_is_no_picture_of_a_storey_and_no_table_is_one_line(picture, tmp_path):
+    (other := tmp_path / "first.json").write_text("{}")
+    write_png(empty := tmp_path / "empty.png", np.full((200, 300, 3), 255, np.uint8))
+    twice = replace(request(picture), storeys=(picture,))
+    faults = {
+        "a picture of each storey": replace(twice, storeys=(other,)),
+        "without a scale, found --metres": replace(twice, metres_per_pixel=0.02),
+        "another picture for each storey": twice,
+        "an empty page": request(empty),
+        "a folder of photos, or a table, found a PNG picture": request(picture, table=picture),
+    }
+    for told, given in faults.items():
+        with pytest.raises(InputError, match=told):
+            read_input(given)
 
 
 def test_a_folder_of_photos_is_given_with_a_picture(picture, tmp_path, caplog):
