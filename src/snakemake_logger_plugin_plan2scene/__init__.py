@@ -90,7 +90,9 @@ class LogHandler(LogHandlerBase):
             self._fail(fields, record.created)
         elif event is None and "on user request" in record.getMessage():
             self._stopped = True  # the command itself tells the user
-        elif event is None and record.levelno >= _LEVEL:
+        elif event == LogEvent.ERROR and self._jobs:
+            return  # of a job: its own event has been told
+        elif event in (None, LogEvent.ERROR) and record.levelno >= _LEVEL:
             self._write(self.format(record))
             self._report("error", message=self.format(record))
 

@@ -22,9 +22,11 @@ def events(handler, *, seconds=2.5):
         record.created = created
         handler.emit(record)
 
+    tell(0.0, event=EVENT.ERROR, level=logging.ERROR, message="no such target")
     tell(0.0, event=EVENT.RUN_INFO, stats={"crops": 1, "paper_table": 1, "total": 2})
     crops = {"jobid": 7, "rule_name": "crops", "wildcards": {"house": "flat_1"}}
     tell(1.0, event=EVENT.JOB_INFO, **crops)
+    tell(1.2, event=EVENT.ERROR, level=logging.ERROR, message="its log says it better")
     tell(1.5, message="Select jobs to execute...")
     tell(1.0 + seconds, event=EVENT.JOB_FINISHED, job_id=7)
     tell(4.0, event=EVENT.JOB_INFO, jobid=0, rule_name="paper_table", wildcards={})
@@ -41,6 +43,7 @@ def made(stream, settings=None):
 
 def test_a_line_says_count_rule_house_and_seconds_and_a_terminal_gets_a_bar():
     lines = made(io.StringIO()).splitlines()
+    assert lines.pop(0) == "no such target"
     assert [line.split() for line in lines] == [
         ["1", "of", "2", "crops", "flat_1", "2.5", "s"],
         ["2", "of", "2", "paper_table", "0.2", "s"],
@@ -56,6 +59,7 @@ def test_events_go_to_a_file_as_json_lines(tmp_path):
     crops = {"rule": "crops", "house": "flat_1"}
     table = {"rule": "paper_table", "house": ""}
     assert [json.loads(line) for line in lines] == [
+        {"event": "error", "message": "no such target"},
         {"event": "planned", "jobs": {"crops": 1, "paper_table": 1}},
         {"event": "started", **crops},
         {"event": "finished", **crops, "seconds": 2.5, "warnings": []},
