@@ -5,6 +5,7 @@ min_version("9.19")
 
 
 configfile: f"{workflow.basedir}/config/advanced.yaml"
+configfile: f"{workflow.basedir}/config/config.yaml"
 configfile: "config/config.yaml"
 
 

@@ -89,3 +89,6 @@ def test_the_catalog_plans_two_houses_of_the_demo(tmp_path):
     jobs = Clone(tmp_path).jobs("-s", str(ROOT / "Snakefile"), "--directory", ".test")
     assert {house for _, house in jobs if house} == {"flat_test_002", "flat_test_003"}
     assert ("paper_table", "") in jobs
+    (tmp_path / "my.yaml").write_text("dataset: {houses: [flat_test_001]}\n")  # no config/ here
+    jobs = Clone(tmp_path).jobs("-s", str(ROOT / "Snakefile"), "--configfile", "my.yaml")
+    assert {house for _, house in jobs if house} == {"flat_test_001"}
