@@ -6,6 +6,7 @@ import errno
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 #: System errors that are not the program's fault, and what the user has to provide.
 _SYSTEM = {
@@ -25,6 +26,18 @@ _SYSTEM = {
     errno.ENFILE: "a higher limit of open files",
     errno.ENOMEM: "free memory",
 }
+#: What keywords and types of JSON schemas demand of a value.
+_DEMANDS = {
+    "contains": "an entry {0[const]}",
+    "exclusiveMaximum": "less than {}",
+    "exclusiveMinimum": "more than {}",
+    "maximum": "at most {}",
+    "minItems": "at least {} entries",
+    "minimum": "at least {}",
+    "pattern": "only letters, digits, '_', '-' and '.'",
+    "uniqueItems": "each entry once",
+}
+_TYPES = {"array": "a list", "integer": "a whole number", "object": "keys with values"}
 
 
 class InputError(ValueError):
@@ -63,6 +76,28 @@ def _one_line(value: object) -> str:
     """Return `value` as text without line breaks or control characters, at most 300 characters."""
     text = "".join(c if c.isprintable() else " " for c in str(value))
     return text if len(text) <= 300 else text[:297] + "..."
+
+
+def schema_fault(error: Any) -> tuple[str, str]:
+    """Return what was expected and what was found, of a ``jsonschema.ValidationError``."""
+    place, demand = error.json_path.lstrip("$."), error.validator_value
+    found = "nothing" if error.instance is None else repr(error.instance)
+    match error.validator:
+        case "enum":
+            expected = f"one of {', '.join(map(str, demand))}"
+        case "required":
+            missing = [key for key in demand if key not in error.instance]
+            expected, found = f"key {missing[0]!r}", "none"
+        case "additionalProperties":
+            allowed = list(error.schema["properties"])
+            extra = [key for key in error.instance if key not in allowed]
+            expected, found = f"only the keys {', '.join(allowed)}", repr(extra[0])
+        case "type":
+            name = demand if isinstance(demand, str) else demand[0]  # or null
+            expected = _TYPES.get(name, f"a {name}")
+        case word:
+            expected = _DEMANDS.get(word, "{!r}").format(demand)
+    return f"{expected} at {place}" if place else expected, found
 
 
 def system_fault(error: OSError) -> InputError | None:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from plan2scene.errors import InputError
+from plan2scene.errors import InputError, schema_fault
 from plan2scene.house import DEFAULT_HEIGHT, USUAL, House, IconBox, Level, Room, Stairs, Wall
 from plan2scene.plans.geometry import find_doors, walls_of_rooms
 from plan2scene.plans.levels import level_of, linked, read_flight, read_levels, used_levels
@@ -183,30 +183,7 @@ def _check_schema(source: Source, document: Any) -> None:
     if len(place) > 1 and place[0] == "rooms":
         entry = document["rooms"][place[1]]
         room = str(entry.get("id", "")) if isinstance(entry, dict) else ""
-    raise _schema_fault(source, error, error.json_path.lstrip("$."), room)
-
-
-def _schema_fault(source: Source, error: Any, place: str, room: str) -> InputError:
-    """Return the fault that a schema error means, in this program's words."""
-    where = f" at {place}" if place else ""
-    found = repr(error.instance)
-    match error.validator:
-        case "enum":
-            expected = f"one of {', '.join(map(str, error.validator_value))}{where}"
-        case "const":
-            expected = f"{error.validator_value!r}{where}"
-        case "required":
-            missing = [key for key in error.validator_value if key not in error.instance]
-            expected, found = f"key {missing[0]!r}{where}", "none"
-        case "additionalProperties":
-            allowed = list(error.schema["properties"])
-            extra = [key for key in error.instance if key not in allowed]
-            expected, found = f"only the keys {', '.join(allowed)}{where}", repr(extra[0])
-        case "type":
-            expected = f"{error.validator_value}{where}"
-        case _:
-            expected = f"{error.validator} {error.validator_value}{where}"
-    return source.fault(expected, found, room)
+    raise source.fault(*schema_fault(error), room)
 
 
 PLAN_FORMAT = PlanFormat(

@@ -8,12 +8,13 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from plan2scene.errors import InputError
+from plan2scene.errors import InputError, schema_fault
 from plan2scene.provenance import WORKFLOW
 from plan2scene.textures.methods import texture_methods
 from plan2scene_app.workflow.house_table import HouseTable, read_table, table_of_lists
 from plan2scene_app.workflow.layout import Layout, find_layout
 
+_WHERE = "configuration"  #: The place of a fault
 MAX_VALUES = 10_000  #: Most values of a configuration; an alias counts at each use
 
 
@@ -32,21 +33,16 @@ def check_config(config: Mapping[str, Any]) -> None:
 
     for count, (key, value) in enumerate(_values(config)):
         if count >= MAX_VALUES:
-            raise InputError(f"a configuration of at most {MAX_VALUES} values", "more")
-        fault = None
+            raise InputError(f"at most {MAX_VALUES} values", "more", file=_WHERE)
         if isinstance(value, float) and not math.isfinite(value):
-            fault = str(value)
-        elif isinstance(value, str) and not (value.isprintable() and set("{}").isdisjoint(value)):
+            raise InputError(f"a finite number at {key}", str(value), file=_WHERE)
+        if isinstance(value, str) and not (value.isprintable() and set("{}").isdisjoint(value)):
             # Snakemake would read text in braces as a wildcard.
-            fault = f"{value!r}, with braces or control characters"
-        if fault is not None:
-            raise InputError("a configuration as config/ has it", f"{key}: {fault}")
+            expected = f"text without braces and control characters at {key}"
+            raise InputError(expected, repr(value), file=_WHERE)
     error = best_match(Draft202012Validator(config_schema()).iter_errors(config))
-    if error is None:
-        return
-    key = ".".join(str(part) for part in error.absolute_path)
-    found = f"{key}: {error.message}" if key else error.message
-    raise InputError("a configuration as config/ has it", found)
+    if error is not None:
+        raise InputError(*schema_fault(error), file=_WHERE)
 
 
 def _values(config: Mapping[str, Any]) -> Iterator[tuple[str, object]]:
@@ -73,7 +69,7 @@ def check_checkpoints(config: Mapping[str, Any]) -> None:
         # A propagation network fits the embeddings of one texture model only: both are needed.
         for name in ("official.texture", "official.propagation"):
             if paths[name] is None:
-                raise InputError(f"a path for {name}", "null", file="configuration")
+                raise InputError(f"a path for {name}", "null", file=_WHERE)
     for name, path in paths.items():
         if path is not None and not Path(path).is_file():
             raise InputError(f"a checkpoint ({name})", "no such file", file=path)

@@ -95,12 +95,12 @@ def test_an_opening_beside_its_wall_is_refused_and_one_over_its_end_is_cut(tmp_p
     ("place", "change", "line"),
     [
         ("", {"scale": 2}, ": expected only the keys format, version, name, wall_depth, heights, "),
-        ("", {"rooms": None}, ": expected array at rooms, found None"),
+        ("", {"rooms": None}, ": expected a list at rooms, found nothing"),
         ("rooms", {"types": ["Ballroom"]}, ", room a: expected a room type (Reception, Bedroom"),
         ("rooms", {"colour": "red"}, ", room a: expected only the keys id, name, types, polygon, "),
         ("rooms", {"polygon": [[0, 0], [1, 0], [1e9, 1]]}, ", room a: expected a coordinate withi"),
-        ("rooms", {"height": -1}, ", room a: expected exclusiveMinimum 0 at rooms[0].height, fou"),
-        ("rooms", {"id": "a/b"}, ", room a/b: expected pattern"),
+        ("rooms", {"height": -1}, ", room a: expected more than 0 at rooms[0].height, found -1"),
+        ("rooms", {"id": "a/b"}, ", room a/b: expected only letters"),
         ("openings", {"from": [2, 8], "to": [2, 8]}, ": expected a wall within 0.2 m of opening d"),
     ],
 )

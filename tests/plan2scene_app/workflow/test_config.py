@@ -26,15 +26,17 @@ def test_every_config_file_is_valid(path):
     ("key", "value", "told"),
     [
         *((f"{name}.odd", 1, "odd") for name in ("photos", "textures", "dataset", "crops")),
-        ("methods", ["magic"], "methods.*'magic' is not one of"),
-        ("house.method", "magic", "house.*'magic' is not one of"),
-        ("study.pairs", [["magic", "crop"]], "study.*'magic' is not one of"),
+        ("methods", ["magic"], r": expected one of crop, .* at methods\[0\], found 'magic'"),
+        ("house.method", "magic", r"one of crop, .* at house\.method, found 'magic'"),
+        ("study.pairs", [["magic", "crop"]], r"one of .* at study\.pairs\[0\]\[0\], found 'magic'"),
+        ("drops", [0.6], r"an entry 0\.0 at drops, found \[0\.6\]"),
+        ("photos.camera_height_m", "1,5", r"a number at photos\.camera_.*, found '1,5'"),
         *(
             (key, value, rf"{key.removesuffix('.0')}.*(nan|inf)")
             for key in ("photos.fov_deg", "crops.metres.0", "photos.camera_height_m")
             for value in (math.nan, math.inf, -math.inf)
         ),
-        *(("dataset.root", v, r"\.root: .*braces or control") for v in ("a{x}", "a\0b", "a\nb")),
+        *(("dataset.root", v, r"braces and .* at dataset\.root") for v in ("a{x}", "a\0b", "a\nb")),
     ],
 )
 def test_a_wrong_setting_is_one_line(key, value, told):

@@ -22,10 +22,7 @@ from plan2scene.paint.light import estimate_light, house_gains
 from plan2scene.paint.observations import PlaneColours, SurfaceColour, write_colours
 from plan2scene.parallel import each
 from plan2scene.photos.camera.lines import SEGMENTS, read_segments
-from plan2scene.photos.crops.candidates import (
-    candidates_of_photo,
-    planes_of_photo,
-)
+from plan2scene.photos.crops.candidates import candidates_of_photo, planes_of_photo
 from plan2scene.photos.crops.colours import (
     colours_of_photo,
     door_colours,
@@ -34,14 +31,7 @@ from plan2scene.photos.crops.colours import (
 )
 from plan2scene.photos.crops.filter import inner_mask, mark_outvoted, strong_edges
 from plan2scene.photos.crops.floor_parts import floor_parts, of_other_rooms
-from plan2scene.photos.crops.sampling import (
-    CROP_PX,
-    CROPS,
-    Candidate,
-    Crop,
-    CropSettings,
-    Verdict,
-)
+from plan2scene.photos.crops.sampling import CROP_PX, CROPS, Candidate, Crop, CropSettings, Verdict
 from plan2scene.photos.crops.selection import write_tables
 from plan2scene.photos.labels.palette import (
     DOOR,
@@ -236,9 +226,7 @@ def _crops_of_photo(
 
 
 def read_precomputed_crops(
-    house: House,
-    rooms_of_photo: Mapping[str, Sequence[str]],
-    folder: str | Path,
+    house: House, rooms_of_photo: Mapping[str, Sequence[str]], folder: str | Path
 ) -> HouseCrops:
     """Read precomputed crops from a folder in Rent3D++'s ``surface_crops`` layout.
 
