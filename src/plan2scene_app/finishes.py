@@ -74,6 +74,9 @@ def read_finishes(path: str | Path, house: House | None = None) -> dict[SurfaceK
         room, surface, what = row
         check_finish(room, surface, what, file=path)
         called = house.rooms_called(room) if house is not None else []
+        form, _, other = what.partition(":")
+        if house is not None and form == "same" and len(same := house.rooms_called(other)) == 1:
+            what = f"same:{same[0].id}"
         for name in [found.id for found in called] or [room]:
             finishes[SurfaceKey(name, surface)] = what
     return finishes

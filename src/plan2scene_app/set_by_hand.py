@@ -127,7 +127,8 @@ class _House:
 
     def _same(self, key: SurfaceKey, other: SurfaceKey) -> _Tile | None:
         if other not in self.entries or other == key or other in self._pending:
-            _LOG.warning("%s/%s can't be as in %s: it stays as found", *key, other.room_id)
+            why = "no such surface, or a circle of them"
+            _LOG.warning("finish same:%s of %s/%s is left out: %s", other.room_id, *key, why)
             return None
         if other in self.chosen:
             self._pending.add(key)
@@ -148,7 +149,8 @@ class _House:
         kind = key.surface.partition(".")[0]
         rows = table[(table["photo"] == photo) & (table["surface"] == kind)]
         if rows.empty:
-            _LOG.warning("no %s in photo %s: %s/%s stays as found", kind, photo, *key)
+            why = f"the photo has no crop of a {kind}"
+            _LOG.warning("finish photo:%s of %s/%s is left out: %s", photo, *key, why)
             return None
         crops = [Crop.of(row) for row in rows.itertuples()]
         source = max(

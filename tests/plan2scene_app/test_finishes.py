@@ -42,11 +42,13 @@ def house(tmp_path):
 
 
 def test_rooms_may_be_called_by_their_names(tmp_path):
-    (tmp_path / "f.csv").write_text("room,surface,what\nLiving Room,floor,white\nx,wall,white\n")
-    plan = read_plan(PLAN, "h1")
-    plan = replace(plan, rooms=tuple(replace(room, name="living room") for room in plan.rooms))
-    named = {SurfaceKey(room.id, "floor"): "white" for room in plan.rooms}
-    assert read_finishes(tmp_path / "f.csv", plan) == named | {SurfaceKey("x", "wall"): "white"}
+    (tmp_path / "f.csv").write_text("room,surface,what\nLiving Room,floor,white\nx,wall,same:BAD\n")
+    *rooms, bath = (plan := read_plan(PLAN, "h1")).rooms
+    living = tuple(replace(room, name="living room") for room in rooms)
+    plan = replace(plan, rooms=(*living, replace(bath, name="Bad")))
+    named = {SurfaceKey(room.id, "floor"): "white" for room in rooms}
+    named[SurfaceKey("x", "wall")] = f"same:{bath.id}"
+    assert read_finishes(tmp_path / "f.csv", plan) == named
 
 
 def test_each_kind_of_finish_and_nothing_else(house, caplog):
