@@ -195,7 +195,7 @@ def read_text(path: str | os.PathLike[str]) -> str:
             raise InputError(f"at most {MAX_TEXT_BYTES} bytes", found, file=file)
         return file.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
-        raise InputError("UTF-8 text", f"bytes that are not ({error.reason})", file=file) from None
+        raise InputError("UTF-8 text", f"another encoding ({error.reason})", file=file) from None
     except OSError as error:
         raise InputError("a readable file", error.strerror or "an error", file=file) from None
 

@@ -171,7 +171,8 @@ def run_house(
     if bool(plan) == bool(homes):
         raise InputError("--plan, or --homes", "both" if plan else "neither")
     if homes and (photos or photos_dir or house or metres_per_pixel):
-        raise InputError("options of every home with --homes", "one of a single home")
+        expected = "--homes without --photos, --photos-dir, --house and --metres-per-pixel"
+        raise InputError(expected, "one of these")
     folder = photos is not None and (photos.is_dir() or is_packed(photos))
     if folder and photos_dir is not None:
         raise InputError("a photo table with --photos-dir", "photos themselves", file=photos)

@@ -157,7 +157,7 @@ def _refuse_users_files(path: Path, names: Sequence[str], inputs: Sequence[Path]
     """Raise InputError if a delivery would overwrite a file that no earlier run delivered."""
     work = path / WORK
     if os.path.lexists(work) and not (work / _LOCK).is_file() and (work.is_file() or _full(work)):
-        raise InputError("no folder 'work' but an earlier run's", "another", file=work)
+        raise InputError("a folder 'work' of an earlier run, or none", "another one", file=work)
     targets = [path / name for name in (*names, WORK)]
     for source in inputs:
         real = source.resolve()
@@ -172,7 +172,7 @@ def _refuse_users_files(path: Path, names: Sequence[str], inputs: Sequence[Path]
             present += [f"{name}/{entry.name}" for entry in target.iterdir()]
         foreign = sorted(set(present) - delivered)
         if foreign:
-            raise InputError("an --out folder without files of others", foreign[-1], file=path)
+            raise InputError("an --out folder without files of yours", foreign[-1], file=path)
 
 
 def _full(folder: Path) -> bool:
@@ -212,7 +212,7 @@ def _wait_for(lock: Callable[[], None], handle: int, path: Path) -> None:
                 expected = "an --out folder in which no other run works"
                 raise InputError(expected, "a run that is under way", file=path) from None
             if not told:
-                _LOG.warning("%s: what is left of a killed run ends first", path)
+                _LOG.warning("%s: waiting until the processes of a killed run have ended", path)
             told = True
             time.sleep(0.1)
         else:

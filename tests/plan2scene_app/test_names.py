@@ -47,7 +47,7 @@ def test_ids_differ_and_names_stay(house, tmp_path):
     assert [row.room_id for row in rows] == ["room_3", "kok_matplats", "room_2"]
     two = replace(house, rooms=(*house.rooms, replace(house.rooms[3], id="other")))
     table.write_text("room_id,photo\nспальня,a.jpg\n", "utf-8")
-    with pytest.raises(InputError, match=r"by its id: room_3 or other, .*the name of 2 rooms"):
+    with pytest.raises(InputError, match=r"of one room \(room_3 or other\), .*of 2 rooms"):
         read_assignment(table, two)
     shown = room_labels(two)
     assert [shown[room] for room in ("living", "room_3", "other")] == [

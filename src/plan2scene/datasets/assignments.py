@@ -57,7 +57,7 @@ def read_assignment(
         if len(called) > 1:
             ids = " or ".join(room.id for room in called)
             found += f", the name of {len(called)} rooms"
-            line = fault(f"which of them, by its id: {ids}", found)
+            line = fault(f"the id of one room ({ids})", found)
         elif called:
             row = row._replace(room_id=called[0].id)
         elif house is not None and row.room_id:
@@ -67,7 +67,7 @@ def read_assignment(
             if not traced:
                 raise line
             if not told:
-                _log.warning("%s; looked for", line)
+                _log.warning("%s; its room is looked for", line)
             row = row._replace(room_id="")
         safe_join("", row.photo, file=path, house_id=name)
         stem = PurePosixPath(row.photo).stem

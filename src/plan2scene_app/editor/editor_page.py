@@ -64,7 +64,7 @@ def write_editor(
         Whether a picture is traced: the page then shows the traced plan over it, to be corrected.
     """
     if output.is_file() and f'content="{_MAKER}"'.encode() not in output.read_bytes()[:2000]:
-        raise InputError("an --out that is no other file", "a file of yours", file=output)
+        raise InputError("a new file, or a page of the editor", "a file of yours", file=output)
     start: dict[str, Any] = {"house": house_id}
     if source is not None:
         start |= opened(source, house_id, metres_per_pixel, dxf_layers, trace=trace)

@@ -228,5 +228,5 @@ def _refuse_users_files(files: Sequence[Path], record: Path) -> None:
     known = _recorded(record)
     for path in _contents(files):
         if path.relative_to(record.parent).as_posix() not in known:
-            expected = "an --out folder without files of others"
+            expected = "an --out folder without files of yours"
             raise InputError(expected, path.name, file=record.parent)

@@ -282,7 +282,7 @@ def house_of_dxf(
     if printed is None:
         return house
     again = Source(str(path), house_id)
-    again.warn("a unit of the header that suits the areas written", f"{printed:g} m by them")
+    again.warn("a unit that fits the written areas", f"another; a unit of {printed:g} m is used")
     rescaled = _Drawing(again, document, printed, entities, leaves).read()
     return replace(house_of_drawing(again, rescaled), heights=USUAL)
 

@@ -179,6 +179,6 @@ def unit_of(source: Source, header: float | None, leaves: list[Leaf]) -> float |
     if not fitting_units:
         return header
     name = min(fitting_units)[1]
-    by_header = "none" if header is None else f"{middle * header:.3g} m by it"
-    source.warn("a unit of the header that suits the doors", f"{by_header}; {name} by their widths")
+    given = "none" if header is None else f"doors {middle * header:.3g} m wide"
+    source.warn("a unit that fits the doors' widths", f"{given}; the unit {name} is used")
     return UNITS[name]

@@ -68,7 +68,7 @@ def house_of_ifc(path: Path, house_id: str) -> House:
         answer = Path(folder) / "answer"
         command = [sys.executable, "-m", __name__, str(path), house_id, str(answer)]
         if code := run_bound(command, stderr=subprocess.DEVNULL):
-            found = f"one that its reader crashes of (exit code {code})"
+            found = f"one on which its reader crashes (exit code {code})"
             raise Source(str(path), house_id).fault("an IFC model that can be read", found)
         result = pickle.loads(answer.read_bytes())  # noqa: S301 - this program's own
     if isinstance(result, Exception):

@@ -41,7 +41,7 @@ def limited(function: Callable[P, T], *arguments: P.args, **named: P.kwargs) -> 
             raise InputError(f"a file that is read within {SECONDS:g} s", "one that takes longer")
         ok, result = ours.recv()
     except EOFError:
-        raise InputError("a file that can be read", "one that its reader crashes of") from None
+        raise InputError("a file that can be read", "one on which its reader crashes") from None
     finally:
         child.kill()
         child.join()

@@ -207,7 +207,7 @@ def _collected(key: pd.DataFrame, files: Sequence[Path]) -> tuple[pd.DataFrame, 
             twice = both[both.duplicated(["participant", "question"])]
             if len(twice):
                 found = f"{twice['participant'].iloc[0]} again, {twice['question'].iloc[0]}"
-                raise InputError("people of no other file", found, file=path)
+                raise InputError("participants that no other file has", found, file=path)
             answers = both
         except InputError as error:
             refused.append(str(error))

@@ -153,10 +153,10 @@ def refuse_other_pictures(
     else:
         drawn = paper_share(image) >= SETTINGS.drawn_paper
         if busy and sure < SETTINGS.least_sure[0 if drawn else 1]:
-            reason = f"areas that are {sure:.0%} sure to be rooms"
+            reason = f"areas that are rooms with a probability of {sure:.0%} only"
     if reason:
         if busy:
-            reason = f"a photo? ({reason})"
+            reason = f"probably a photo ({reason})"
         raise InputError("a picture of a floorplan", reason, file=path)
 
 

@@ -599,22 +599,22 @@ def doubts(plan: TracedPlan) -> Iterator[str]:
         read = f"page {numbers} is" if len(plan.pages) == 1 else f"pages {numbers} are"
         yield f"of {plan.page_count} pages, {read} read; give other pages as pictures"
     if plan.sheet is not None:
-        yield "a photo of a page, or a window with one: only the page is read, straightened"
+        yield "a photo or screenshot of a page: only the page is read, straightened"
     if plan.sure < SETTINGS.least_sure[0]:
-        yield f"the picture as a whole: {plan.sure:.0%} sure of what it shows"
+        yield f"only {plan.sure:.0%} sure of what the picture shows"
     if not plan.read:
         yield f"no text is read: {pip_command('plan2scene[trace]')}"
     if plan.storeys:
         names = ", ".join(storey.name for storey in plan.storeys)
         order = "" if all(storey.told for storey in plan.storeys) else "; their order is a guess"
-        yield f"{len(plan.storeys)} drawings are storeys on one another, from below: {names}{order}"
+        yield f"{len(plan.storeys)} drawings are read as storeys, the lowest first: {names}{order}"
     for flight in plan.flights:
         low, high = (plan.storeys[flight.storey + k].name for k in (0, 1))
-        yield f"stairs from {low} to {high}: made as one straight flight; their way up is a guess"
+        yield f"stairs from {low} to {high}: one straight flight; which way is up is a guess"
     if plan.fixtures:
         places = {item.room for item in plan.fixtures}
         names = ", ".join(room.id for room in plan.rooms if room.number in places)
-        yield f"fixtures of {names}: made as they are drawn; the editor deletes wrong ones"
+        yield f"fixtures in {names}: read from the drawing; please delete wrong ones in the editor"
     if plan.left_out:
         yield f"drawings left out, as they have no rooms with doors: {plan.left_out}"
     yield from _doubts_of_sizes(plan)
@@ -631,7 +631,7 @@ def _doubts_of_sizes(plan: TracedPlan) -> Iterator[str]:
         for line in room.texts:
             if line.text in plan.scale.differ:
                 outside.pop(line.text, None)
-                yield f"{room.id}: {line.text} is written, {width:.2f} x {depth:.2f} m traced"
+                yield f"{room.id}: {line.text} is written, but {width:.2f} x {depth:.2f} m traced"
     if outside:
         yield f"measures that do not fit the scale: {', '.join(outside)}"
 
@@ -640,11 +640,11 @@ def _doubts_of_rooms(plan: TracedPlan) -> Iterator[str]:
     """Yield a message for each kind of doubt, with the rooms that it concerns."""
     ways = {n for o in plan.openings if o.kind != "window" for n in (o.room, o.other)}
     kinds = {
-        "nothing tells what they are": lambda r: r.types == ("Unknown",) and not r.named,
-        "what is drawn in them, or their size, alone tells what they are": lambda r: (
+        "their use is not known": lambda r: r.types == ("Unknown",) and not r.named,
+        "their use is guessed from what is drawn in them, or from their size": lambda r: (
             r.types != ("Unknown",) and not r.named
         ),
-        "hardly sure that they are rooms": lambda r: r.confidence < SETTINGS.doubtful,
+        "they may be no rooms": lambda r: r.confidence < SETTINGS.doubtful,
         "no door or passage found": lambda r: r.number not in ways,
     }
     for what, has in kinds.items():
@@ -665,7 +665,7 @@ def _doubts_of_openings(plan: TracedPlan) -> Iterator[str]:
         if opening.confidence < SETTINGS.doubtful:
             unsure.setdefault(opening.kind, {})[place] = None
     for kind, places in unsure.items():
-        yield f"hardly sure {kind}s: of {', '.join(places)}"
+        yield f"{kind}s in {', '.join(places)}: unsure, please check them"
 
 
 def overlay(plan: TracedPlan) -> np.ndarray:

@@ -3,11 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from plan2scene.datasets.assignments import (
-    PhotoAssignment,
-    read_assignment,
-    rooms_of_photos,
-)
+from plan2scene.datasets.assignments import PhotoAssignment, read_assignment, rooms_of_photos
 from plan2scene.datasets.import_plan import import_plan
 from plan2scene.errors import InputError
 from plan2scene.house import House, Room
@@ -68,7 +64,7 @@ def test_rooms_of_photos(tmp_path, caplog):
     assert rooms_of_photos(path, both) == {"x.jpg": ["b", "a"], "y.jpg": ["a"]}
     assert rooms_of_photos(path, house, traced=True) == {"x.jpg": ["a"], "y.jpg": ["a"]}
     read_assignment(path, house, traced=True)
-    assert "found 'b' for photo x.jpg; looked for" in caplog.text
+    assert "found 'b' for photo x.jpg; its room is looked for" in caplog.text
     assert rooms_of_photos(None, house) == {}
 
 

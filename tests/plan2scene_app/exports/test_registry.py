@@ -48,11 +48,7 @@ def test_a_missing_package_is_named(textured, monkeypatch, name, module):
     monkeypatch.setitem(sys.modules, module, None)
     with pytest.raises(InputError, match=r"-m pip install -e '/.*\[exports\]'"):
         export_house(
-            textured / "house.scene.json",
-            textured / "textures",
-            textured / "x",
-            name,
-            house_id="h",
+            textured / "house.scene.json", textured / "textures", textured / "x", name, house_id="h"
         )
 
 
@@ -64,7 +60,7 @@ def test_files_that_no_export_wrote_are_kept(textured, name):
     arguments = ["export", str(textured), "--to", "obj", "--out", str(textured / "x")]
     result = CliRunner().invoke(app, arguments)
     assert isinstance(result.exception, InputError)
-    expected = f"expected an --out folder without files of others, found {mine.name}"
+    expected = f"expected an --out folder without files of yours, found {mine.name}"
     assert expected in str(result.exception)
     assert [p for p in (textured / "x").rglob("*") if p.is_file()] == [mine]
     assert mine.read_text() == "mine"

@@ -191,7 +191,7 @@ def test_a_unit_that_does_not_suit_the_doors(tmp_path, units):
     plan, doc = drawn_flat(2), document(units)
     unlayered(doc, plan)
     found = read_plan(saved(doc, tmp_path), "h1")
-    assert "mm by their widths" in found.warnings[0]
+    assert "the unit mm is used" in found.warnings[0]
     true = sum(area.area for _, _, area in plan.rooms)
     assert sum(room_polygon(r).area for r in found.rooms) == pytest.approx(true, rel=0.05)
 

@@ -78,7 +78,7 @@ def test_drawn_fixtures_stand_in_the_house(tmp_path, monkeypatch):
     monkeypatch.setattr(trace, "reader_installed", lambda: True)
     monkeypatch.setattr(trace, "lines_of", lambda image, told: lines)
     _, told = write_trace(tmp_path / "flat.png", tmp_path / "plan.json")
-    assert any(line.startswith("fixtures of bad: made as they are drawn") for line in told)
+    assert any(line.startswith("fixtures in bad: read from the drawing") for line in told)
     found = {i.type: (*i.p1, *i.p2) for i in read_plan(tmp_path / "plan.json", "flat").icons}
     assert found.keys() == {"bath", "toilet"}
     assert found["bath"] == pytest.approx((6.15, 4.2, 7.98, 4.98), abs=0.25)

@@ -144,7 +144,7 @@ def _letter():
     [
         (np.full((300, 400, 3), 255, np.uint8), "an empty page"),
         (np.full((50, 400, 3), 255, np.uint8), "400x50"),
-        (_noise(), "a photo?"),
+        (_noise(), "a photo ("),
         (_letter(), "no room that walls close"),
     ],
     ids=["empty", "small", "photo", "text"],
