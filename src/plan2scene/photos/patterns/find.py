@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -125,10 +126,10 @@ def find_pattern(
     slanting = _zigzag(views)
     if slanting is not None:
         return slanting
-    mosaic = _mosaic(views, (looks or FIND.usual_looks)[1])
+    grainy = _grainy(views)
+    mosaic = None if grainy else _mosaic(views, (looks or FIND.usual_looks)[1])
     if mosaic is not None:
         return mosaic, []
-    grainy = _grainy(views)
     for widest in (np.inf, FIND.widest_plank_m):
         confidence, readings = _rows(views, grainy, widest)
         if not readings or confidence < FIND.believed:
@@ -202,13 +203,11 @@ def _without_joints(views: Sequence[FloorView], jointed: float) -> float:
 
 
 def _mosaic(views: Sequence[FloorView], tiled: float) -> FoundPattern | None:
-    """Return the mosaic that views show; None if there is none.
+    """Return the mosaic that views without a grain show; None if there is none.
 
     `tiled` is the probability of tiles: carpets and parquet have small squares, too.
     """
     weights = np.array([_area(view) for view in views])
-    if _grainy(views):
-        return None
     scores = np.array([small_squares(view.directions[0].view) for view in views])
     reach = 2 * round(100 * FIND.same_size) + 1
     pooled = weights @ maximum_filter1d(scores, reach, axis=1) / weights.sum()
@@ -409,13 +408,11 @@ def _repeats_whole(readings: Sequence[Reading]) -> bool:
 
 def _line(readings: Sequence[Reading]) -> str:
     """Return the kind of line at which the joints are clearest."""
-    worth: dict[str, float] = {}
+    worth: dict[str, float] = defaultdict(float)
     for r in readings:
         k = int(np.abs(DISTANCES - r.width_m).argmin())
         for name, scores in r.direction.lines.items():
-            worth[name] = worth.get(name, 0.0) + r.weight * float(
-                scores[max(k - 3, 0) : k + 4].max()
-            )
+            worth[name] += r.weight * float(scores[max(k - 3, 0) : k + 4].max())
     if worth["light"] < FIND.light * worth["dark"]:
         worth["light"] = 0.0
     return max(worth, key=lambda name: worth[name])

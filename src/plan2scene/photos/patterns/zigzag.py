@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any
+from operator import itemgetter
 
 import cv2
 import numpy as np
@@ -134,18 +134,16 @@ def slants(view: FloorView) -> Slants | None:
     """Return the slanting planks that a view shows in columns; None if there are none."""
     contrast, valid = evened(view.image, view.mask)
     alternation = _alternating(contrast, valid)
-    if alternation is None or alternation.clear < ZIGZAG.least:
+    if alternation is None or alternation[0] < ZIGZAG.least:
         return None
+    clear, angle, period_m, ways = alternation
     near = np.arange(-9.0, 9.5, JOINTS.step_deg / 6)
-    first, second = (
-        way + near[np.argmax(kept_along(contrast, valid, way + near))]
-        for way in alternation.ways_deg
-    )
+    first, second = (way + near[np.argmax(kept_along(contrast, valid, way + near))] for way in ways)
     columns = (first + second) / 2
-    columns += 90.0 * round((alternation.angle_deg - columns) / 90.0)
+    columns += 90.0 * round((angle - columns) / 90.0)
     slant = abs((first - columns + 90.0) % 180.0 - 90.0)
     if not ZIGZAG.slant_deg[0] <= slant <= ZIGZAG.slant_deg[1]:
-        columns, slant = alternation.angle_deg, 45.0
+        columns, slant = angle, 45.0
         first, second = columns + slant, columns - slant
     along, alike = JOINTS.along_m * JOINTS.px_per_m, []
     for angle in (first, second):
@@ -161,22 +159,10 @@ def slants(view: FloorView) -> Slants | None:
         axis=0,
     )
     periods = 2 * _WIDTHS[:, None] * _RATIOS * np.sin(np.radians(slant))
-    scores = np.where(
-        np.abs(np.log(periods / alternation.period_m)) <= ZIGZAG.same_period, scores, -2.0
-    )
+    scores = np.where(np.abs(np.log(periods / period_m)) <= ZIGZAG.same_period, scores, -2.0)
     if scores.max() == -2.0:
         return None
-    return Slants(view, columns % 180.0, slant, alternation.clear, scores)
-
-
-@dataclass(frozen=True)
-class _Columns:
-    """Columns in which lines slant to alternate sides."""
-
-    clear: float  #: how clearly they do, 0..0.64
-    angle_deg: float  #: direction of the columns
-    period_m: float  #: period across the columns
-    ways_deg: tuple[float, float]  #: directions of the lines of both slants
+    return Slants(view, columns % 180.0, slant, clear, scores)
 
 
 #: Step in pixels at which the direction of lines is sampled.
@@ -201,11 +187,15 @@ def _line_tensor(contrast: np.ndarray, valid: np.ndarray) -> tuple[np.ndarray, n
     return tensor[::_EACH_PX, ::_EACH_PX], seen[::_EACH_PX, ::_EACH_PX]
 
 
-def _alternating(contrast: np.ndarray, valid: np.ndarray) -> _Columns | None:
-    """Return the columns of a view; None if too little is seen.
+def _alternating(
+    contrast: np.ndarray, valid: np.ndarray
+) -> tuple[float, float, float, list[float]] | None:
+    """Return the columns in which a view's lines slant to alternate sides; None if too little seen.
 
-    Columns make the direction of lines a wave across them, and only across them. A basket weave has
-    waves in two directions, and the lines of bricks have one direction nearly everywhere.
+    These are how clearly they do, 0..0.64; the columns' direction (degrees) and period (metres);
+    and the directions of the lines of both slants (degrees). Columns make the direction of lines a
+    wave across them, and only across them. A basket weave has waves in two directions, and the
+    lines of bricks have one direction nearly everywhere.
     """
     tensor, seen = _line_tensor(contrast, valid)
     rows, columns = np.nonzero(seen)
@@ -230,13 +220,13 @@ def _alternating(contrast: np.ndarray, valid: np.ndarray) -> _Columns | None:
     one_way = strength - np.roll(near, half // 2, axis=0)
     k, j = divmod(int(one_way.argmax()), one_way.shape[1])
     wave = np.cos(2 * np.pi * across_m[k] / _PERIODS[j] + np.angle(sideways[k, j]))
-    first, second = (
+    ways = [
         float(np.degrees(np.angle(tensor[rows, columns] @ np.maximum(sign * wave, 0.0))) / 2 + 90.0)
         for sign in (1.0, -1.0)
-    )
+    ]
     constant = 0.5 * abs((mean * turned[k, 0]).imag)
     clear = float(min(one_way[k, j], strength[k, j] - constant))
-    return _Columns(clear, float(_ANGLES[k]), float(_PERIODS[j]), (first, second))
+    return clear, float(_ANGLES[k]), float(_PERIODS[j]), ways
 
 
 def _repeats(alike: np.ndarray, columns_deg: float, slant_deg: float) -> np.ndarray:
@@ -296,22 +286,18 @@ def fitted(zigzag: Zigzag, view: Upright) -> tuple[Zigzag, np.ndarray]:
     middle = np.array([columns.mean(), rows.mean()])
     places = (np.stack([columns, rows], axis=1) - middle) / scale
     beside = np.linspace(-ZIGZAG.fit, ZIGZAG.fit, 9)
-    best: tuple[float, Any] = (-1.0, None)
 
-    def tried(turn: float, wide: float, long: float) -> None:
-        nonlocal best
+    def fit(
+        turn: float, wide: float, long: float
+    ) -> tuple[float, tuple[float, float], Zigzag, np.ndarray]:
         sized = replace(zigzag, width_m=zigzag.width_m * wide, length_m=zigzag.length_m * long)
         worth, shift = _shifted(sized, _turned(places, turn), value)
-        if worth > best[0]:
-            best = worth, (turn, wide, sized, shift)
+        return worth, (turn, wide), sized, shift
 
-    for turn in beside:
-        for wide in beside:
-            tried(turn, 1.0 + wide, 1.0)
-    turn, wide = best[1][:2]
-    for long in 2 * beside:
-        tried(turn, wide, 1.0 + long)
-    turn, _, sized, shift = best[1]
+    fits = [fit(turn, 1.0 + wide, 1.0) for turn in beside for wide in beside]
+    _, shape, *_ = max(fits, key=itemgetter(0))
+    fits += [fit(*shape, 1.0 + long) for long in 2 * beside]
+    _, (turn, _), sized, shift = max(fits, key=itemgetter(0))
     grid = np.stack(np.meshgrid(*(np.arange(n) for n in view.valid.shape[::-1])), axis=-1)
     return sized, _turned((grid - middle) / scale, turn) + shift
 
