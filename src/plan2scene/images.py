@@ -384,6 +384,18 @@ def metric_image(image: np.ndarray) -> np.ndarray:
     return np.asarray(picture)
 
 
+def window_counts(mask: np.ndarray, height: int, width: int) -> np.ndarray:
+    """Return how many pixels of a mask (h, w) bool each window of `height` x `width` px holds.
+
+    The windows lie within the mask: (h - height + 1, w - width + 1) float32, by top left pixel.
+    """
+    import cv2
+
+    pixels, size = mask.astype(np.uint8), (width, height)
+    counts = cv2.boxFilter(pixels, cv2.CV_32F, size, anchor=(0, 0), normalize=False)
+    return counts[: len(mask) - height + 1, : mask.shape[1] - width + 1]
+
+
 def medoid_index(images: Sequence[np.ndarray]) -> int:
     """Return the index of the image closest (L2) to the mean RGB image (paper, reference crop).
 

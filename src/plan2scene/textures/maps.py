@@ -20,7 +20,7 @@ import numpy as np
 
 from plan2scene.colour import as_uint8, linear_to_srgb, median_colour, srgb_to_linear
 from plan2scene.house import House, SurfaceKey
-from plan2scene.images import image_from_bytes, jpeg_bytes
+from plan2scene.images import image_from_bytes, jpeg_bytes, window_counts
 from plan2scene.io import read_parquet
 from plan2scene.paint.light import recoloured
 from plan2scene.paint.shading import log_luma
@@ -290,12 +290,9 @@ def cut_patches(detail: Detail, rng: np.random.Generator) -> Patches | None:
         columns = _starts(source.valid.shape[1], across, shifts[1][k])
         if not len(rows) or not len(columns):
             continue
-        total = cv2.integral(source.valid.astype(np.uint8))
-        r, c = (grid.ravel() for grid in np.meshgrid(rows, columns, indexing="ij"))
-        inside = total[r + down.side, c + across.side] - total[r, c + across.side]
-        inside += total[r, c] - total[r + down.side, c]
-        whole = inside == down.side * across.side
-        of_source = np.stack([np.full(int(whole.sum()), k), r[whole], c[whole]], axis=1)
+        counts = window_counts(source.valid, down.side, across.side)
+        r, c = np.nonzero(counts[np.ix_(rows, columns)] == down.side * across.side)
+        of_source = np.stack([np.full(len(r), k), rows[r], columns[c]], axis=1)
         places.append(
             _drawn(of_source, max(1, math.ceil(2 * MAPS.most_patches / len(sources))), rng)
         )

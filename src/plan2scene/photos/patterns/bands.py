@@ -43,6 +43,8 @@ class BandSettings:
 
 
 BANDS = BandSettings()
+#: Heights at which steps are looked for, metres.
+_HEIGHTS = np.arange(*BANDS.heights_m, 1 / BANDS.px_per_m)
 _GREY = np.full(3, 1 / 3)
 
 
@@ -60,8 +62,8 @@ class WallView:
     upper: np.ndarray
     step: np.ndarray
     width_m: float  #: width along which the step is seen
-    #: (n,) float: width that is seen both above and below each height of `heights`, metres; 0 where
-    #: that is too little
+    #: (n,) float: width that is seen both above and below each of `_HEIGHTS`, metres; 0 where that
+    #: is too little
     widths: np.ndarray
 
 
@@ -81,11 +83,6 @@ class WallBands:
     planes: dict[str, float]
 
 
-def heights() -> np.ndarray:
-    """Return the heights at which steps are looked for, metres."""
-    return np.arange(*BANDS.heights_m, 1 / BANDS.px_per_m)
-
-
 def wall_views(seen: PhotoPlanes) -> Iterator[WallView]:
     """Yield the walls of the photo's own room of which it shows a large enough part."""
     height, width = seen.image.shape[:2]
@@ -100,15 +97,12 @@ def wall_views(seen: PhotoPlanes) -> Iterator[WallView]:
         whole = rectify(image, camera.resized(shape), replace(plane, mask=mask > 0))
         if whole is None:
             continue
-        times = whole.metres_per_pixel * BANDS.px_per_m
-        size = tuple(max(1, round(side * times)) for side in whole.mask.shape[::-1])
-        if min(size) < BANDS.least_m * BANDS.px_per_m / 2:
+        straight, inside = whole.at_scale(BANDS.px_per_m)
+        if min(inside.shape) < BANDS.least_m * BANDS.px_per_m / 2:
             continue
-        straight = cv2.resize(whole.image, size, interpolation=cv2.INTER_AREA)
-        inside = cv2.resize(whole.mask.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST)
         name = f"wall/{PurePath(seen.photo).stem}_{plane.index}"
         top = plane.camera_height_m - whole.origin[1]
-        height, upper, step, wide, widths = read_step(straight, inside > 0, top)
+        height, upper, step, wide, widths = read_step(straight, inside, top)
         facts = seen.photo, item.rooms[0], name, plane.camera_height_m, item.in_plan
         yield WallView(*facts, height, upper, step, wide, widths)
 
@@ -124,12 +118,11 @@ def read_step(
     logs = np.log(srgb_to_linear(image) + 0.01).astype(np.float32)
     # Masks leave out pixels near an edge. All pixels give its height, those of the mask confirm it.
     between = np.logical_or.accumulate(mask) & np.logical_or.accumulate(mask[::-1])[::-1]
-    everything, sums = (_Strips.of(logs, part) for part in (between, mask))
+    everything, sums = (_Strips(logs, part) for part in (between, mask))
     strip, gap = (round(m * BANDS.px_per_m) for m in (BANDS.strip_m, BANDS.gap_m))
-    worth = np.zeros(len(heights()))
+    worth, widths = np.zeros((2, len(_HEIGHTS)))
     colours = np.zeros((len(worth), 2, 3))
-    widths = np.zeros(len(worth))
-    for k, height in enumerate(heights()):
+    for k, height in enumerate(_HEIGHTS):
         row = round((top_m - height) * BANDS.px_per_m)
         above, below = (row - gap - strip, row - gap), (row + gap, row + gap + strip)
         if above[0] < 0 or below[1] > image.shape[0]:
@@ -161,26 +154,22 @@ def read_step(
     # The step is as clear wherever the edge lies within the gap: take the mean of these heights.
     near = slice(max(k - 2 * gap, 0), k + 2 * gap + 1)
     weight = np.where(worth[near] >= 0.9 * worth[k], worth[near], 0.0)
-    height = float(np.average(heights()[near], weights=weight))
+    height = float(np.average(_HEIGHTS[near], weights=weight))
     return height, *colours[k], float(widths[k]), widths
 
 
 class _Strips:
-    """Cumulative sums down the columns of an image (h, n, 3) with a `weight` (h, n) per pixel."""
+    """Cumulative sums down an image (h, w, 3) over a mask (h, w), in columns of `column_m`."""
 
-    def __init__(self, total: np.ndarray, weight: np.ndarray) -> None:
-        self._total = np.pad(total.astype(np.float64).cumsum(axis=0), ((1, 0), (0, 0), (0, 0)))
-        self._weight = np.pad(weight.astype(np.float64).cumsum(axis=0), ((1, 0), (0, 0)))
-
-    @classmethod
-    def of(cls, logs: np.ndarray, mask: np.ndarray) -> _Strips:
-        """Return the sums over a mask (h, w) bool of (h, w, 3), in columns of `BANDS.column_m`."""
+    def __init__(self, logs: np.ndarray, mask: np.ndarray) -> None:
         columns = max(1, round(mask.shape[1] / (BANDS.column_m * BANDS.px_per_m)))
         shape = (columns, mask.shape[0])
         weight = mask.astype(np.float32)
         count = cv2.resize(weight, shape, interpolation=cv2.INTER_AREA)
         total = cv2.resize(logs * weight[..., None], shape, interpolation=cv2.INTER_AREA)
-        return cls(total.reshape(*count.shape, 3), count)
+        total = total.reshape(*count.shape, 3).astype(np.float64)
+        self._total = np.pad(total.cumsum(axis=0), ((1, 0), (0, 0), (0, 0)))
+        self._weight = np.pad(count.astype(np.float64).cumsum(axis=0), ((1, 0), (0, 0)))
 
     def rows(self, first: int, last: int) -> np.ndarray:
         """Return how many rows from `first` to before `last` each column (n,) shows."""
@@ -192,7 +181,7 @@ class _Strips:
 
     def mean(self, first: int, last: int) -> np.ndarray:
         """Return the mean colour (n, 3) of these rows in each column."""
-        count = np.maximum(self._weight[last] - self._weight[first], 1e-6)
+        count = np.maximum(self.rows(first, last), 1e-6)
         return np.asarray((self._total[last] - self._total[first]) / count[:, None])
 
 
@@ -242,7 +231,7 @@ def _agreed(views: Sequence[WallView]) -> WallBands | None:
     )
     weights = np.array([view.width_m for view in together])
     split = _middle(np.array([view.step_m for view in together]), weights)
-    away = np.abs(np.log(heights() / split))
+    away = np.abs(np.log(_HEIGHTS / split))
     others = [view for view in views if view not in together]
     other_width = sum(
         float(view.widths[away <= (away.min() if view.placed else BANDS.unplaced)].min())

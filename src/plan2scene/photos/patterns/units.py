@@ -9,6 +9,7 @@ from itertools import pairwise
 import cv2
 import numpy as np
 
+from plan2scene.images import window_counts
 from plan2scene.photos.patterns.bonds import Zigzag
 from plan2scene.photos.patterns.find import FoundPattern, Reading
 from plan2scene.photos.patterns.joints import JOINTS, lines, nearby
@@ -92,10 +93,8 @@ def _window(image: np.ndarray, mask: np.ndarray) -> np.ndarray:
     """Return the square part of a view (h, w, 3) with most of its mask (h, w), resized."""
     side = round(UNITS.shown_m * JOINTS.px_per_m)
     height, width = min(side, mask.shape[0]), min(side, mask.shape[1])
-    sums = cv2.integral(mask.astype(np.uint8))
-    masked_counts = sums[height:, width:] - sums[:-height, width:]
-    masked_counts = masked_counts - sums[height:, :-width] + sums[:-height, :-width]
-    top, left = np.unravel_index(int(masked_counts.argmax()), masked_counts.shape)
+    counts = window_counts(mask, height, width)
+    top, left = np.unravel_index(int(counts.argmax()), counts.shape)
     part = image[top : top + height, left : left + width]
     scale = UNITS.shown_px_per_m / JOINTS.px_per_m
     return cv2.resize(part, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)

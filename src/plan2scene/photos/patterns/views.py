@@ -15,7 +15,7 @@ from plan2scene.camera import Camera
 from plan2scene.colour import rgb_to_lab
 from plan2scene.errors import InputError
 from plan2scene.photos.crops.filter import FILTER
-from plan2scene.photos.locate.pose import Pose, read_poses
+from plan2scene.photos.locate.pose import read_poses
 from plan2scene.photos.patterns.joints import JOINTS, Direction, directions, evened
 from plan2scene.photos.photo_files import read_photo
 from plan2scene.photos.planes.planes import PhotoPlane, plane_of_row, read_planes
@@ -78,36 +78,25 @@ def photos_with_planes(
     """Return a function for each photo with planes of `surfaces`, which reads that photo."""
     poses = read_poses(files.cameras)
     frames = read_stage_json(files.masks / "cameras.json", "cameras")
-    readers: list[Callable[[], PhotoPlanes]] = []
-    for photo, rows in sorted(read_planes(files.planes).items()):
-        rows = [row for row in rows if row["surface"] in surfaces]
-        if not rows:
-            continue
+
+    def read(photo: str, rows: Sequence[Mapping[str, Any]]) -> PhotoPlanes:
         if photo not in files.photos or photo not in frames:
             expected = "a camera of every photo with planes"
             raise InputError(expected, f"none of {photo}", file=files.cameras, house=house_id)
-        photo_camera = Camera.from_json(frames[photo], file=files.masks)
-        path, pose = files.photos[photo], poses.get(photo)
-        readers.append(partial(_read, photo, path, rows, photo_camera, pose, house_id))
-    return readers
+        image = read_photo(files.photos[photo], house_id=house_id)
+        own, pose = Camera.from_json(frames[photo], file=files.masks), poses.get(photo)
+        planes = []
+        for row in rows:
+            item = plane_of_row(row, image.shape[:2])
+            in_plan = item.in_plan or item.plane.surface == "floor"
+            planes.append((pose.camera if pose and in_plan else own, item))
+        return PhotoPlanes(photo, image, planes, pose is not None)
 
-
-def _read(
-    photo: str,
-    path: Path,
-    rows: Sequence[Mapping[str, Any]],
-    own: Camera,
-    pose: Pose | None,
-    house_id: str,
-) -> PhotoPlanes:
-    """Return a photo with its planes (rows of planes.parquet) in their cameras."""
-    image = read_photo(path, house_id=house_id)
-    planes = []
-    for row in rows:
-        item = plane_of_row(row, image.shape[:2])
-        in_plan = item.in_plan or item.plane.surface == "floor"
-        planes.append((pose.camera if pose and in_plan else own, item))
-    return PhotoPlanes(photo, image, planes, pose is not None)
+    rows_of_photo = {
+        photo: [row for row in rows if row["surface"] in surfaces]
+        for photo, rows in sorted(read_planes(files.planes).items())
+    }
+    return [partial(read, photo, rows) for photo, rows in rows_of_photo.items() if rows]
 
 
 def with_usual_height(views: Sequence[FloorView]) -> list[FloorView]:
@@ -132,12 +121,8 @@ def floor_views(seen: PhotoPlanes) -> Iterator[FloorView]:
         whole = rectify(seen.image, camera, item.plane, min_density=JOINTS.least_px_per_m)
         if whole is None:
             continue
-        scale = whole.metres_per_pixel * JOINTS.px_per_m
-        size = tuple(max(1, round(side * scale)) for side in whole.mask.shape[::-1])
-        way = cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR
-        straight = cv2.resize(whole.image, size, interpolation=way)
-        mask = cv2.resize(whole.mask.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST)
-        floor = of_one_colour(straight, mask > 0)
+        straight, mask = whole.at_scale(JOINTS.px_per_m)
+        floor = of_one_colour(straight, mask)
         line_directions = directions(*evened(straight, floor))
         if line_directions:
             plane = item.plane

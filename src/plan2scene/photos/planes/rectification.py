@@ -15,6 +15,7 @@ import cv2
 import numpy as np
 
 from plan2scene.camera import Camera
+from plan2scene.images import window_counts
 from plan2scene.photos.planes.planes import Plane
 from plan2scene.photos.planes.walls import PLANES
 
@@ -43,6 +44,14 @@ class RectifiedPlane:
         border = cv2.BORDER_REPLICATE
         return cv2.warpPerspective(self.photo, self.to_photo, size, flags=flags, borderMode=border)
 
+    def at_scale(self, px_per_m: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the image (h, w, 3) uint8 and the mask (h, w) bool at another resolution."""
+        scale = self.metres_per_pixel * px_per_m
+        size = tuple(max(1, round(side * scale)) for side in self.mask.shape[::-1])
+        way = cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR
+        mask = cv2.resize(self.mask.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST)
+        return cv2.resize(self.image, size, interpolation=way), mask > 0
+
     def window(self, row: int, column: int, side: int) -> tuple[float, float, float, float]:
         """Return x0 y0 x1 y1 on the plane, metres, of a square of pixels."""
         step = self.metres_per_pixel
@@ -56,9 +65,7 @@ class RectifiedPlane:
         """
         if side > min(self.mask.shape):
             return np.zeros((0, 0), bool)
-        total = cv2.integral(self.mask.astype(np.uint8))
-        covered = total[side:, side:] - total[:-side, side:] - total[side:, :-side]
-        return np.asarray(covered + total[:-side, :-side] == side * side)
+        return window_counts(self.mask, side, side) == side * side
 
     def view(self, x: float, y: float) -> tuple[float, float]:
         """Return (grazing angle in degrees, photo pixels per metre) at a point of the plane.
