@@ -168,17 +168,15 @@ class Canvas:
         #: down, right: Gradients from each pixel to its lower, and to its right neighbour
         self.down, self.right = np.zeros_like(self.image), np.zeros_like(self.image)
 
-    def laid(self, source: Source, offset: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-        """Return a source's pixels and validity on the torus, its corner at `offset`."""
-        image = np.zeros_like(self.image)
-        valid = np.zeros_like(self.filled)
-        height, width = source.valid.shape
-        image[:height, :width], valid[:height, :width] = source.image, source.valid
-        return np.roll(image, offset, (0, 1)), np.roll(valid, offset, (0, 1))
-
     def lay(self, source: Source, offset: tuple[int, int]) -> None:
-        """Lay a patch: it fills empty pixels; elsewhere a minimum cut decides what it takes."""
-        patch, valid = self.laid(source, offset)
+        """Lay a patch, its corner at `offset`.
+
+        It fills empty pixels; elsewhere a minimum cut decides what it takes.
+        """
+        patch, valid = np.zeros_like(self.image), np.zeros_like(self.filled)
+        height, width = source.valid.shape
+        patch[:height, :width], valid[:height, :width] = source.image, source.valid
+        patch, valid = np.roll(patch, offset, (0, 1)), np.roll(valid, offset, (0, 1))
         inner = cv2.erode(
             np.pad(valid, _S.rim, mode="wrap").astype(np.uint8),
             np.ones((2 * _S.rim + 1,) * 2, np.uint8),
@@ -383,19 +381,16 @@ def choose(patches: Patches, rows: int, columns: int, rng: np.random.Generator) 
     usual = max(float(_fair(beside) + _fair(below)) / 2, 1e-6)
     beside, below = beside / usual, below / usual
     near, worn = _alike(patches), np.zeros(count, np.float32)
-    grid = np.full((rows, columns), -1)
+    grid = np.full((rows + 1, columns + 1), -1)  # with an empty row and column at the end
     tie = 0.05 * rng.random((rows, columns, count)).astype(np.float32)
 
     def best(i: int, j: int) -> int:
         cost = tie[i, j] + _S.worn * worn
-        if j and grid[i, j - 1] >= 0:
-            cost = cost + beside[grid[i, j - 1]]
-        if i and grid[i - 1, j] >= 0:
-            cost = cost + below[grid[i - 1, j]]
-        if j + 1 < columns and grid[i, j + 1] >= 0:
-            cost = cost + beside[:, grid[i, j + 1]]
-        if i + 1 < rows and grid[i + 1, j] >= 0:
-            cost = cost + below[:, grid[i + 1, j]]
+        left, right, upper, lower = grid[i, j - 1], grid[i, j + 1], grid[i - 1, j], grid[i + 1, j]
+        sides = ((left, beside), (upper, below), (right, beside.T), (lower, below.T))
+        for neighbour, costs in sides:
+            if neighbour >= 0:
+                cost = cost + costs[neighbour]
         around = grid[max(0, i - _S.near) : i + _S.near + 1, max(0, j - _S.near) : j + _S.near + 1]
         taken = near[around[around >= 0]].max(axis=0, initial=0.0)
         return int((cost + _S.beside * taken).argmin())
@@ -409,7 +404,7 @@ def choose(patches: Patches, rows: int, columns: int, rng: np.random.Generator) 
                 grid[i, j] = -1
             grid[i, j] = best(i, j)
             worn += near_worn[grid[i, j]]
-    return grid
+    return grid[:rows, :columns]
 
 
 def _alike(patches: Patches) -> np.ndarray:

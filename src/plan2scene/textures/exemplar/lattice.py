@@ -30,7 +30,9 @@ class CropLattice:
     angle_deg: float  #: from the crop's axes to the pattern's, x towards y (down), -45 to 45
     clear: bool  #: whether the spectrum shows the angle clearly
     periods: tuple[float, float]  #: along its axes, crop pixels; NaN: none, or no clear angle
-    peaks: tuple[float, float]  #: autocorrelation at the periods, 0 where there is none
+
+
+_NO_PERIODS = (float("nan"), float("nan"))
 
 
 def find_lattice(luma: np.ndarray, mask: np.ndarray) -> CropLattice:
@@ -50,7 +52,7 @@ def find_lattice(luma: np.ndarray, mask: np.ndarray) -> CropLattice:
         coarse = _lattice(values, weight, other)
         if np.isfinite(coarse.periods).all():
             return coarse
-    return CropLattice(angle, False, (float("nan"), float("nan")), (0.0, 0.0))
+    return CropLattice(angle, False, _NO_PERIODS)
 
 
 def _lattice(values: np.ndarray, weight: np.ndarray, angle: float) -> CropLattice:
@@ -63,8 +65,8 @@ def _lattice(values: np.ndarray, weight: np.ndarray, angle: float) -> CropLattic
         less = angle - 45.0 if angle > 0 else angle + 45.0
         others, heights = _periods(*_turned(values, weight, less))
         if max(others) < 1.6 * max(periods) and sum(heights) >= EXEMPLAR.diagonal * sum(peaks):
-            angle, periods, peaks = less, others, heights
-    return CropLattice(angle, True, periods, peaks)
+            angle, periods = less, others
+    return CropLattice(angle, True, periods)
 
 
 def agreed_periods(
@@ -94,32 +96,36 @@ def agreed_periods(
     return agreed[0], agreed[1]
 
 
-def whole_periods(
-    periods: tuple[float, float], most: float = 1.35
-) -> tuple[int, int, float, float]:
-    """Return the number of periods in the cut along x and y, and the cut's sides over the tile's.
+@dataclass(frozen=True)
+class Cut:
+    """The part of a surface's pattern that the tile shows."""
 
-    The cut is the part of the pattern that the tile shows: as square and as near to the tile's size
-    as whole periods allow. A direction without a period (or with one longer than `most`) has count
-    0 and the other direction's side.
+    columns: int  #: number of whole periods along x; 0 where x has no period
+    rows: int  #: the same along y
+    wide: float  #: width over the side of the tile that was asked for
+    high: float  #: height over the same
+
+
+def whole_periods(periods: tuple[float, float], most: float = 1.35) -> Cut:
+    """Return the cut that is as square and as near to the tile's size as whole periods allow.
+
+    A direction without a period (or with one longer than `most`) has count 0 and the other
+    direction's side.
     """
-    usable_periods = [p for p in periods if np.isfinite(p) and p <= most]
-    if not usable_periods:
-        return 0, 0, 1.0, 1.0
-    if len(usable_periods) == 1:
-        count = max(1, round(1.0 / usable_periods[0]))
-        side = count * usable_periods[0]
-        along = np.isfinite(periods[0]) and periods[0] <= most
-        return (count, 0, side, side) if along else (0, count, side, side)
+    x, y = (p if p <= most else 0.0 for p in periods)  # also 0 for NaN
+    if not (x and y):
+        period = x or y
+        count = max(1, round(1.0 / period)) if period else 0
+        side = count * period or 1.0
+        return Cut(count if x else 0, count if y else 0, side, side)
     options = []
-    for columns in range(1, max(2, round(most / periods[0])) + 1):
-        for rows in range(1, max(2, round(most / periods[1])) + 1):
-            wide, high = columns * periods[0], rows * periods[1]
+    for columns in range(1, max(2, round(most / x)) + 1):
+        for rows in range(1, max(2, round(most / y)) + 1):
+            wide, high = columns * x, rows * y
             uneven = abs(np.log(wide / high))
             away = abs(np.log(np.sqrt(wide * high)))
             options.append((2.0 * uneven + away, columns, rows, wide, high))
-    _, columns, rows, wide, high = min(options)
-    return columns, rows, wide, high
+    return Cut(*min(options)[1:])
 
 
 def _band(luma: np.ndarray, weight: np.ndarray) -> np.ndarray:
@@ -261,16 +267,6 @@ def _summit(curve: np.ndarray, lag: int) -> float:
     return lag + (0.5 * (before - after) / bend if bend < 0 else 0.0)
 
 
-@dataclass(frozen=True)
-class Cut:
-    """The part of a surface's pattern that the tile shows."""
-
-    columns: int  #: number of whole periods along x; 0 where x has no period
-    rows: int  #: the same along y
-    wide: float  #: width over the side of the tile that was asked for
-    high: float  #: height over the same
-
-
 def find_pattern(
     flat: np.ndarray, masks: np.ndarray, sides: np.ndarray, *, known: bool
 ) -> tuple[list[CropLattice], Cut, np.ndarray]:
@@ -284,7 +280,7 @@ def find_pattern(
     size = flat.shape[1]
     tolerance = EXEMPLAR.same_period if known else EXEMPLAR.alike_period
     periods = agreed_periods(lattices, sides, size, tolerance)
-    cut = Cut(*whole_periods(periods))
+    cut = whole_periods(periods)
     fits = np.ones(len(lattices), dtype=bool)
     checked = []
     for k, lattice in enumerate(lattices):
@@ -323,13 +319,10 @@ def _usual_turns(lattices: list[CropLattice]) -> list[CropLattice]:
     for lattice in lattices:
         away = (lattice.angle_deg - usual_angle + 45.0) % 90.0 - 45.0
         if not lattice.clear or abs(away) > EXEMPLAR.odd_turn_deg:
-            nothing = (float("nan"), float("nan"))
-            result.append(
-                replace(lattice, angle_deg=usual_angle, periods=nothing, peaks=(0.0, 0.0))
-            )
+            result.append(replace(lattice, angle_deg=usual_angle, periods=_NO_PERIODS))
         elif abs(usual_angle + away - lattice.angle_deg) > 1.0:
-            turned = replace(lattice, periods=lattice.periods[::-1], peaks=lattice.peaks[::-1])
-            result.append(replace(turned, angle_deg=usual_angle + away))
+            periods = lattice.periods[::-1]
+            result.append(replace(lattice, periods=periods, angle_deg=usual_angle + away))
         else:
             result.append(lattice)
     return result
