@@ -10,8 +10,10 @@ import importlib
 import io
 import os
 import re
+import struct
 import warnings
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -26,16 +28,11 @@ if TYPE_CHECKING:
 
 _MAX_ICC_BYTES = 4_000_000
 _BAND_ROWS = 256
-#: EXIF orientation -> Pillow's transposition that makes the picture upright.
-_UPRIGHT = {
-    2: "FLIP_LEFT_RIGHT",
-    3: "ROTATE_180",
-    4: "FLIP_TOP_BOTTOM",
-    5: "TRANSPOSE",
-    6: "ROTATE_270",
-    7: "TRANSVERSE",
-    8: "ROTATE_90",
-}
+#: Errors that damaged EXIF data cause in Pillow.
+_DAMAGED_EXIF = (
+    *(ArithmeticError, AttributeError, EOFError, LookupError, OSError),
+    *(SyntaxError, TypeError, ValueError, struct.error),
+)
 
 
 def to_srgb(image: Image.Image) -> np.ndarray:
@@ -45,7 +42,7 @@ def to_srgb(image: Image.Image) -> np.ndarray:
     applied. Pixels of more than 8 bits are scaled by :func:`_grey_from_numbers`.
     """
     image.load()
-    return _srgb(image, _orientation(image))
+    return _srgb(image)
 
 
 def to_small_srgb(image: Image.Image, side: int) -> np.ndarray:
@@ -58,10 +55,9 @@ def to_small_srgb(image: Image.Image, side: int) -> np.ndarray:
     longer = max(image.size)
     image.draft(None, (max(1, image.width * side // longer), max(1, image.height * side // longer)))
     image.load()  # this turns a TIFF upright
-    orientation = _orientation(image)
     factor = max(1, max(image.size) // (2 * side))
     if factor == 1:
-        return _srgb(image, orientation)
+        return _srgb(image)
     check_reducible(image)
     info = dict(image.info)
     if image.mode in ("1", "P"):
@@ -70,7 +66,7 @@ def to_small_srgb(image: Image.Image, side: int) -> np.ndarray:
         info.pop("transparency", None)
     small = image.reduce(factor)
     small.info = info
-    return _srgb(small, orientation)
+    return _srgb(small)
 
 
 def check_reducible(image: Image.Image) -> None:
@@ -79,19 +75,19 @@ def check_reducible(image: Image.Image) -> None:
         raise ValueError(f"mode {image.mode} of so many pixels")
 
 
-def _srgb(image: Image.Image, orientation: int) -> np.ndarray:
-    """Return an image as (h, w, 3) uint8 sRGB, turned as an EXIF orientation says."""
+def _srgb(image: Image.Image) -> np.ndarray:
+    """Return a loaded image as (h, w, 3) uint8 sRGB, upright; it is turned in place."""
     from PIL import Image
 
-    upright = _turned(image, orientation)
-    if upright.mode in ("I", "F") or upright.mode.startswith("I;16"):
-        grey = _grey_from_numbers(np.asarray(upright))
+    _turn_upright(image)
+    if image.mode in ("I", "F") or image.mode.startswith("I;16"):
+        grey = _grey_from_numbers(np.asarray(image))
         return np.ascontiguousarray(np.repeat(grey[..., None], 3, axis=2))
-    alpha = None
-    if upright.mode in ("RGBA", "LA", "PA", "La", "RGBa") or "transparency" in upright.info:
-        upright = upright.convert("RGBA")
-        alpha = upright.getchannel("A")
-    colour = _profiled(upright, image.info.get("icc_profile"))
+    profile, alpha = image.info.get("icc_profile"), None
+    if image.mode in ("RGBA", "LA", "PA", "La", "RGBa") or "transparency" in image.info:
+        image = image.convert("RGBA")
+        alpha = image.getchannel("A")
+    colour = _profiled(image, profile)
     if alpha is not None:
         white = Image.new("RGB", colour.size, (255, 255, 255))
         white.paste(colour, mask=alpha)
@@ -104,27 +100,12 @@ def _srgb(image: Image.Image, orientation: int) -> np.ndarray:
     return pixels
 
 
-def _orientation(image: Image.Image) -> int:
-    """Return an image's EXIF orientation; 1 where it has none or EXIF is damaged."""
-    import struct
+def _turn_upright(image: Image.Image) -> None:
+    """Turn a loaded image in place as its EXIF orientation says; damaged EXIF is ignored."""
+    from PIL import ImageOps
 
-    try:
-        orientation = image.getexif().get(0x0112, 1)
-    except (OSError, ValueError, TypeError, LookupError, SyntaxError, struct.error, EOFError):
-        return 1
-    return orientation if isinstance(orientation, int) else 1
-
-
-def _turned(image: Image.Image, orientation: int) -> Image.Image:
-    """Return an image made upright from an EXIF orientation."""
-    from PIL import Image
-
-    method = _UPRIGHT.get(orientation)
-    if method is None:
-        return image
-    turned = image.transpose(Image.Transpose[method])
-    turned.info = image.info
-    return turned
+    with suppress(*_DAMAGED_EXIF):
+        ImageOps.exif_transpose(image, in_place=True)
 
 
 def _grey_from_numbers(values: np.ndarray) -> np.ndarray:
