@@ -64,11 +64,7 @@ def highlights(images: np.ndarray) -> np.ndarray:
         body = cv2.morphologyEx(as_uint8(image), cv2.MORPH_OPEN, np.ones((9, 9)))
         body = cv2.medianBlur(body, images.shape[1] // 10 | 1)
         body = cv2.GaussianBlur(body / 255.0, (0, 0), images.shape[1] / 40)
-        luma = log_luma(body)
-        excess = luma - np.median(luma)
-        floor = srgb_to_linear(body.min(axis=2))
-        usual_floor = np.median(floor)
-        added = (floor - usual_floor) / (1.0 - usual_floor + 1e-3)
+        excess, added = _light_and_white(body)
         peaks[k] = added.max()
         strong = (excess > _S.highlight) & (added > _S.added_white)
         core = (strong | ((excess > 0.0) & (added > _S.nearly_white))).astype(np.uint8)
@@ -80,13 +76,17 @@ def highlights(images: np.ndarray) -> np.ndarray:
     return masks | np.stack([_spots(image) for image in images])
 
 
+def _light_and_white(image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return by how much each pixel (s, s) exceeds the median: log grey, linear share of white."""
+    luma, floor = log_luma(image), srgb_to_linear(image.min(axis=2))
+    usual = np.median(floor)
+    return luma - np.median(luma), (floor - usual) / (1.0 - usual + 1e-3)
+
+
 def _spots(image: np.ndarray) -> np.ndarray:
     """Return (s, s) bool: small spots of an image (s, s, 3) that are as white as mirrored lamps."""
-    luma = log_luma(image)
-    floor = srgb_to_linear(image.min(axis=2))
-    usual = np.median(floor)
-    added = (floor - usual) / (1.0 - usual + 1e-3)
-    bright = (luma - np.median(luma) > _S.highlight) & (added > _S.spot)
+    excess, added = _light_and_white(image)
+    bright = (excess > _S.highlight) & (added > _S.spot)
     count, places, boxes, _ = cv2.connectedComponentsWithStats(bright.astype(np.uint8))
     small = boxes[:, 2:4].max(axis=1) <= _S.spot_side * len(image)
     spots = small[places]

@@ -312,19 +312,16 @@ def _alone(house: House, photo: PhotoEvidence) -> np.ndarray:
         log[:-1] = -1e3
         return log
     if photo.scores:
-        best = max(photo.scores.values())
-        for k, room in enumerate(house.rooms):
-            lead = (photo.scores.get(room.id, -np.inf) - best) * WHICH.place
-            log[k] += max(lead, -WHICH.most_place)
+        scores = np.array([photo.scores.get(room.id, -np.inf) for room in house.rooms])
+        leads = (scores - max(photo.scores.values())) * WHICH.place
+        log[:-1] += np.maximum(leads, -WHICH.most_place)
         log[-1] -= WHICH.most_place / 2
     if photo.kinds is not None:
         for k, room in enumerate(house.rooms):
             odds = float(_looks(room) @ photo.kinds) * len(KINDS)
             odds += WHICH.unknown * (1.0 - odds)
             log[k] += WHICH.kind * float(np.log(odds))
-    if photo.named:
-        for k, room in enumerate(house.rooms):
-            log[k] += WHICH.name * photo.named.get(room.id, 0.0)
+    log[:-1] += [WHICH.name * photo.named.get(room.id, 0.0) for room in house.rooms]
     log[-1] += np.log(WHICH.nowhere)
     return log
 

@@ -545,12 +545,8 @@ def _camera_height(
     over the bins that show both refines it, or, with too few of them, a finer search.
     """
     low, high = PLANES.height_range_m[0], min(PLANES.height_range_m[1], 0.9 * room_height_m)
-    if high <= low:
-        return None
-    if (
-        min(np.isfinite(borders.foot).sum(), np.isfinite(borders.top).sum())
-        < PLANES.min_height_bins
-    ):
+    seen = min(np.isfinite(borders.foot).sum(), np.isfinite(borders.top).sum())
+    if high <= low or seen < PLANES.min_height_bins:
         return None
 
     def cost(height: float) -> float:
