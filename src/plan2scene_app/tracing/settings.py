@@ -129,6 +129,9 @@ class TraceSettings:
     behind_leaf: tuple[float, float] = (1.4, 1.8)
     leaf_seen: float = 0.35  #: thickness of an open leaf as the network sees it, in leaf widths
     dash: float = 0.15  #: m between dashes of a line
+    #: Least share of the walls that are paper between two lines, in a plan with such walls.
+    double_walls: float = 0.3
+    slanted_cell: float = 0.75  #: a slanted cell of a hatch fills at most this share of its box
     # Walls that are thin lines.
     thin_line: float = 0.45  #: m of the shortest line
     thin_seen: float = 0.3  #: least share of such a line that the network labels as wall

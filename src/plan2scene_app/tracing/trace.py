@@ -27,6 +27,7 @@ from plan2scene.weights import MODELS
 from plan2scene_app.pdf import page_count
 from plan2scene_app.plan_formats.axes import HEIGHTS
 from plan2scene_app.plan_formats.measures import sides_in_feet
+from plan2scene_app.tracing.double_walls import with_filled_walls
 from plan2scene_app.tracing.drawings import Storey, shows_a_home, storeys_of
 from plan2scene_app.tracing.drawn_stairs import TracedFlight, covered, find_treads, flights_of
 from plan2scene_app.tracing.fixtures import TracedFixture, find_fixtures, with_types_by_fixtures
@@ -267,6 +268,10 @@ class _Seen:
 def _seen(image: np.ndarray, segmenter: PlanSegmenter, texts: Sequence[TextLine]) -> _Seen:
     """Straighten a picture and find its labels and regions, one drawing at a time."""
     looks, numbers, count = first_looks(image, segmenter)
+    filled = with_filled_walls(image, looks)
+    if filled is not image:
+        image = filled
+        looks, numbers, count = first_looks(image, segmenter)
     all_numbers = numbers
     homes = drawn_homes(looks, image) or [x for x in looks if shows_a_home(x.structure)]
     left_out = count - len(homes) if homes else 0

@@ -3,12 +3,16 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
+from scipy import ndimage
 from shapely.geometry import box
 
 from plan2scene_app.tracing import ink as marks
 from plan2scene_app.tracing import rooms as outlines
+from plan2scene_app.tracing.double_walls import with_filled_walls
+from plan2scene_app.tracing.looks import Look
 from plan2scene_app.tracing.named_areas import without_counters
 from plan2scene_app.tracing.openings import TracedOpening, find_openings
+from plan2scene_app.tracing.picture import Frame
 from plan2scene_app.tracing.regions import find_regions
 from plan2scene_app.tracing.settings import DOOR, OUTSIDE, PASSAGE, ROOM, WALL, WINDOW
 from plan2scene_app.tracing.thin_walls import with_thin_walls
@@ -152,8 +156,7 @@ def test_two_doors_that_meet_in_a_corner_are_two():
     labels[30:33, 212:237] = DOOR
     labels[30:60, 240:243] = DOOR
     labels[30:33, 237:243] = DOOR
-    regions = find_regions(np.where(labels >= ROOM, ROOM, labels).astype(np.uint8), PPM)
-    doors = find_openings(regions, outlines.room_polygons(regions), as_probabilities(labels))
+    _, _, doors = traced(np.minimum(labels, ROOM))
     widths = sorted(round(o.width / PPM, 1) for o in doors if o.kind == "door")
     assert widths == pytest.approx([0.9, 0.9, 0.9, 1.0], abs=0.15)
 
@@ -274,14 +277,9 @@ def test_the_outline_of_an_island_is_no_wall_but_a_pillar_is():
 
 def test_the_widest_window_to_a_terrace_without_a_door_is_one():
     wide = TracedOpening("window", (0.0, 0.0), (80.0, 0.0), 1, 2, 0.9)
-    kept = [
-        replace(wide, end=(70.0, 0.0)),  # one door to a terrace is enough
-        replace(wide, other=0),
-        replace(wide, room=3, other=1),
-        replace(wide, room=4, end=(30.0, 0.0)),
-        replace(wide, room=5),  # that room has a door
-        replace(wide, room=5, kind="door"),
-    ]
+    kept = [replace(wide, end=(70, 0)), replace(wide, other=0), replace(wide, room=3, other=1)]
+    kept += [replace(wide, room=4, end=(30, 0)), replace(wide, room=5)]  # room 5 has a door
+    kept += [replace(wide, room=5, kind="door")]  # one door to a terrace is enough
     door, *others = outlines.with_terrace_doors([wide, *kept], {2}, 60.0)
     assert door == replace(wide, kind="door", confidence=0.5) and others == kept
 
@@ -300,10 +298,19 @@ def test_a_window_all_along_a_terrace_is_its_rail():
 
 def test_a_wide_window_of_a_garage_to_the_outside_is_its_door():
     wide = TracedOpening("window", (0.0, 0.0), (80.0, 0.0), 1, 0, 0.9)
-    kept = [
-        replace(wide, end=(30.0, 0.0)),  # a window of usual size
-        replace(wide, other=2),
-        replace(wide, room=2),
-    ]
+    kept = [replace(wide, **other) for other in ({"end": (30, 0)}, {"other": 2}, {"room": 2})]
     door, *others = outlines.with_garage_doors([wide, *kept], [1], 60.0)
     assert door == replace(wide, kind="door") and others == kept
+
+
+@pytest.mark.parametrize("hatched", [False, True])
+def test_walls_drawn_as_two_lines_are_filled_also_where_they_are_not_seen(hatched):
+    labels = np.minimum(flat_labels(), ROOM).repeat(3, 0).repeat(3, 1)
+    wall, slants = labels == WALL, np.indices(labels.shape).sum(0) % 16 < 2
+    lines = wall & ((hatched & slants) | ~ndimage.binary_erosion(wall, np.ones((3, 3))))
+    page, seen = solid_page(np.where(lines, WALL, 0)), labels.copy()
+    seen[:, :100] = OUTSIDE
+    looks = [Look(1, Frame(page, np.eye(2, 3)), np.zeros(0), seen)]
+    filled = with_filled_walls(page, looks)
+    assert (filled[wall] == 0).all() and (filled[~wall] == 255).all()
+    assert with_filled_walls(filled, looks) is filled

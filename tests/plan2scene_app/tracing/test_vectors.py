@@ -26,7 +26,7 @@ def described(probabilities):
     """Return what `traced` and its openings are of a flat whose left room has a written name."""
     regions, polygons = traced(probabilities)
     openings = find_openings(regions, polygons, probabilities)
-    lines = [line("Chambre 1", 3.0 * PPM, 2.0 * PPM)]
+    lines = [line("Chambre 1", 3.0 * PPM, 2.0 * PPM), line("11.31 m²", 3.0 * PPM, 2.4 * PPM)]
     return regions, openings, outlines.describe_rooms(regions, polygons, probabilities, lines)
 
 
@@ -64,11 +64,7 @@ def test_floor_that_goes_on_is_a_passage():
 
 @pytest.mark.parametrize(
     ("label", "box"),
-    [
-        (PASSAGE, (5.0, 1.2, 5.1, 1.7)),
-        (DOOR, (4.0, 4.0, 4.9, 4.1)),
-        (PASSAGE, (5.0, 1.1, 5.1, 4.0)),
-    ],
+    [(PASSAGE, (5, 1.2, 5.1, 1.7)), (DOOR, (4, 4, 4.9, 4.1)), (PASSAGE, (5, 1.1, 5.1, 4))],
     ids=["a part of it is drawn", "a door around the corner", "all of it is drawn"],
 )
 def test_rooms_that_meet_without_a_wall_are_open_all_along(label, box):
@@ -131,10 +127,7 @@ def test_a_name_is_no_word_of_appliances_and_joins_the_rooms_of_an_open_one(prob
 
 
 def test_rooms_are_named_by_text_else_by_furniture(probabilities):
-    regions, polygons = traced(probabilities)
-    lines = [line("Chambre 1", 3.0 * PPM, 2.0 * PPM), line("11.31 m²", 3.0 * PPM, 2.4 * PPM)]
-    found = outlines.describe_rooms(regions, polygons, probabilities, lines)
-    named, other = sorted(found, key=lambda r: not r.named)
+    named, other = sorted(described(probabilities)[2], key=lambda r: not r.named)
     assert (named.id, named.types, named.name) == ("chambre_1", ("Bedroom",), "Chambre 1")
     assert (other.id, other.types, other.named) == ("kitchen", ("Kitchen",), False)
     assert len(named.texts) == 2 and named.confidence > 0.8
