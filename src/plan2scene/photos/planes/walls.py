@@ -1,7 +1,6 @@
 """Walls of a photo in plan view: which wall a viewing direction meets.
 
-In the Manhattan frame nearly every wall is x = +-d or z = +-d (d metres from the camera). A wall of
-a bay window or a slanted wall gets a normal of its own if its foot shows it. The foot of a wall,
+In the Manhattan frame a wall is x = +-d or z = +-d (d metres from the camera). The foot of a wall,
 where wall pixels stand on floor pixels, lies on the floor plane, so its slope below the horizon
 gives the distance. The top under the ceiling gives it likewise. Viewing directions are binned by
 azimuth (not by image column: with a pitched camera the crease of two walls crosses columns), and
@@ -49,14 +48,6 @@ class PlaneSettings:
     #: Least cosine between a viewing direction and the normal of the wall that it meets (about 85
     #: degrees).
     min_facing: float = 0.08
-    #: Slanted walls (they face no Manhattan direction): number of neighbouring bins (a tenth of
-    #: all) that must show a straight foot.
-    slanted_bins: int = 24
-    #: Largest deviation of that foot from straight, radians of elevation.
-    slanted_noise: float = float(np.radians(0.4))
-    #: Least angle of a slanted wall to the Manhattan directions, radians.
-    slanted_angle: float = float(np.radians(12.0))
-    max_slanted: int = 4  #: largest number of slanted walls
 
     # The cheapest sequence of walls over the bins.
     #: Angular noise of a mask's border, radians.
@@ -68,8 +59,6 @@ class PlaneSettings:
     crease: float = 14.0  #: cost of a corner
     jump: float = 28.0  #: cost of a jump between parallel walls
     unseen: float = 0.4  #: cost per bin of a wall that no foot or top supports
-    #: Further cost of a crease with a slanted wall.
-    slant: float = 16.0
     #: Bins on each side of a crease, at least half of which must show something; else the crease
     #: does not locate a wall.
     crease_bins: int = 6
@@ -223,9 +212,6 @@ def facing_votes(
     return votes
 
 
-OWN = 2  #: `WallLine.axis` of a wall that faces neither Manhattan direction
-
-
 @dataclass(frozen=True)
 class WallLine:
     """The wall ``outward . (x, z) = distance``, metres from the camera.
@@ -240,8 +226,8 @@ class WallLine:
 
     @property
     def axis(self) -> int:
-        """Return 0 for a wall x = +-d, 1 for z = +-d, `OWN` for another."""
-        return next((axis for axis in (0, 1) if abs(self.outward[axis]) == 1.0), OWN)
+        """Return 0 for a wall x = +-d, 1 for z = +-d."""
+        return 0 if self.outward[0] else 1
 
     def meets(self, other: WallLine) -> np.ndarray | None:
         """Return the corner (x, z) with another wall; None for (nearly) parallel ones."""
@@ -265,7 +251,7 @@ def likely_walls(borders: Borders, distances: np.ndarray) -> list[WallLine]:
     """Return the walls that most feet and tops lie on, the best supported first.
 
     `distances` (b, 2) are the horizontal distances of foot and top from the camera, metres, NaN
-    where not seen. Slanted walls come last.
+    where not seen.
     """
     supported: list[tuple[float, WallLine]] = []
     for outward in DIRECTIONS:
@@ -280,7 +266,7 @@ def likely_walls(borders: Borders, distances: np.ndarray) -> list[WallLine]:
             if count >= PLANES.min_support
         ]
     supported.sort(key=lambda item: -item[0])
-    return [line for _, line in supported[: PLANES.max_candidates]] + _own_walls(borders, distances)
+    return [line for _, line in supported[: PLANES.max_candidates]]
 
 
 def _peaks(offset: np.ndarray) -> list[tuple[int, float]]:
@@ -295,55 +281,6 @@ def _peaks(offset: np.ndarray) -> list[tuple[int, float]]:
         groups.append((len(group), float(np.median(group))))
         left = np.concatenate([left[: first[best]], left[last[best] :]])
     return groups
-
-
-def _own_walls(borders: Borders, distances: np.ndarray) -> list[WallLine]:
-    """Return slanted walls: straight feet along no Manhattan direction.
-
-    Tops are not used, because masks round off the corners of a ceiling.
-    """
-    reach = distances[:, 0]
-    points = borders.direction * reach[:, None]
-    known = np.isfinite(reach) & (reach < PLANES.distance_range_m[1])
-    supported: list[tuple[int, WallLine]] = []
-    for start in range(0, PLANES.bins - PLANES.slanted_bins + 1, PLANES.slanted_bins // 4):
-        inside = known.copy()
-        inside[:start] = inside[start + PLANES.slanted_bins :] = False
-        if inside.sum() < 0.8 * PLANES.slanted_bins:
-            continue
-        line = _straight(points[inside])
-        if line is None:
-            continue
-        facing = borders.direction @ np.array(line.outward)
-        expected = line.distance / np.where(facing > PLANES.min_facing, facing, np.nan)
-        off = np.abs(np.arctan(borders.foot) - np.arctan(borders.foot * reach / expected))
-        if (off[inside] < PLANES.slanted_noise).mean() > 0.8:
-            supported.append((int((known & (off < 2 * PLANES.slanted_noise)).sum()), line))
-    supported.sort(key=lambda item: -item[0])
-    kept: list[WallLine] = []
-    for _, line in supported:
-        if len(kept) < PLANES.max_slanted and not any(_alike(line, other) for other in kept):
-            kept.append(line)
-    return kept
-
-
-def _straight(points: np.ndarray) -> WallLine | None:
-    """Return the line through points (n, 2); None if it is no slanted wall at a valid distance."""
-    centre = points.mean(axis=0)
-    normal = np.linalg.svd(points - centre, full_matrices=False)[2][1]
-    distance = float(normal @ centre)
-    if distance < 0:
-        normal, distance = -normal, -distance
-    low, high = PLANES.distance_range_m
-    if np.abs(normal).max() > np.cos(PLANES.slanted_angle) or not low <= distance <= high:
-        return None
-    return WallLine((float(normal[0]), float(normal[1])), distance, True)
-
-
-def _alike(line: WallLine, other: WallLine) -> bool:
-    """Tell whether two walls are the same: within 8 degrees and 8 % of the distance."""
-    turn = float(np.dot(line.outward, other.outward))
-    return turn > np.cos(np.radians(8.0)) and abs(line.distance / other.distance - 1) < 0.08
 
 
 @dataclass(frozen=True)
@@ -592,8 +529,7 @@ def _solve(
     lines = likely_walls(borders, distances) + list(UNSEEN_LINES)
     costs = _costs(borders, lines, height, above)
     axes = np.array([line.axis for line in lines])
-    contrary = np.column_stack([facing[:, ::-1], facing.max(axis=1)])
-    against = np.minimum(PLANES.vote * contrary, PLANES.max_votes)[:, axes]
+    against = np.minimum(PLANES.vote * facing[:, ::-1], PLANES.max_votes)[:, axes]
     path, total = _cheapest(costs + np.where(np.isnan(borders.reach[:, :1]), 0.0, against), axes)
     return lines, path, total
 
@@ -624,8 +560,7 @@ def _costs(borders: Borders, lines: list[WallLine], height: float, above: float)
 
 def _cheapest(costs: np.ndarray, axes: np.ndarray) -> tuple[np.ndarray, float]:
     """Return the index (b,) of each bin's wall on the cheapest path, and its cost with creases."""
-    turn = np.where((axes[:, None] == axes[None]) & (axes != OWN), PLANES.jump, PLANES.crease)
-    turn = turn + PLANES.slant * ((axes[:, None] == OWN) | (axes[None] == OWN))
+    turn = np.where(axes[:, None] == axes, PLANES.jump, PLANES.crease)
     np.fill_diagonal(turn, 0.0)
     total = costs[0].copy()
     back = np.zeros(costs.shape, dtype=int)
