@@ -65,9 +65,7 @@ _TILE = _record(
     origin_m=_list(_NUMBER, 2),
     evidence={"type": "object"},
 )
-_MAP = _record(
-    {"origin_m": _list(_NUMBER, 2), "extent_m": _list(_POSITIVE, 2)}, pattern=_TEXT, split_m=_NUMBER
-)
+_MAP = _record({"origin_m": _list(_NUMBER, 2), "extent_m": _list(_POSITIVE, 2)}, pattern=_TEXT)
 _SURFACES = {"propertyNames": {"pattern": "/"}}
 
 #: The form (JSON Schema) of each kind of file; docs/conventions.md explains them.

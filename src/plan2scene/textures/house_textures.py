@@ -50,7 +50,6 @@ def make_textures(
         from plan2scene.textures.maps import (
             house_maps,
             patterns_of_floors,
-            read_bands,
             tile_of_pattern,
         )
 
@@ -63,7 +62,6 @@ def make_textures(
             if key in tiles and other in tiles
         }
         tiles = {**tiles, **runs_on}
-        bands = {} if file is None else read_bands(file, inputs, tiles)
         materials = {surface.key: surface.material for surface in surfaces}
         seed = inputs.settings.seed
         patterns = patterns_of_floors(house, tiles, patterns)
@@ -74,7 +72,7 @@ def make_textures(
             if p.units
         }
         tiles = {**tiles, **laid}
-        whole = house_maps(house, tiles, materials, patterns, bands, seed=seed)
+        whole = house_maps(house, tiles, materials, patterns, seed=seed)
     write_tiles(out_dir, name, surfaces, tiles, whole)
 
 

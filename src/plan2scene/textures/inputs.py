@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 class HouseFiles:
     """Files of one house that do not depend on the drop (share of hidden photos), and shared files.
 
-    `library` holds the tiles of Retrieve, `crop_pool` crops of other houses, `patterns` floors and
-    walls in bands; None where there is none.
+    `library` holds the tiles of Retrieve, `crop_pool` crops of other houses, `patterns` those of
+    floors; None where there is none.
     """
 
     house_id: str

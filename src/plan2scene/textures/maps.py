@@ -12,25 +12,21 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
-from pathlib import Path
 from typing import Any
 
 import cv2
 import numpy as np
 
-from plan2scene.colour import as_uint8, linear_to_srgb, median_colour, srgb_to_linear
+from plan2scene.colour import median_colour
 from plan2scene.house import House, SurfaceKey
 from plan2scene.images import image_from_bytes, jpeg_bytes, window_counts
-from plan2scene.io import read_parquet
 from plan2scene.paint.light import recoloured
 from plan2scene.paint.shading import log_luma
 from plan2scene.photos.patterns.bonds import PX_PER_M
 from plan2scene.plans.surface_areas import Area, surface_areas
 from plan2scene.seeds import generator
-from plan2scene.textures.exemplar.house_tiles import PLAIN, exemplar_of
 from plan2scene.textures.exemplar.lattice import straightened
 from plan2scene.textures.exemplar.make import Pattern
-from plan2scene.textures.inputs import TextureInputs
 from plan2scene.textures.laying import (
     LaidPattern,
     laid,
@@ -63,7 +59,6 @@ class MapSettings:
     phases: int = 48  #: number of bins of a period
     most_px: int = 4096  #: largest side of a map: every graphics processor can hold it
     quality: int = 88  #: quality of the JPEG files
-    band_px: int = 64  #: side of the one-colour tile of a band that no crop shows alone
     spread: float = 2.5  #: largest area of the rectangle around rooms of one map, over their areas
 
 
@@ -374,26 +369,18 @@ class SurfaceMap:
     px_per_m: float
     photo_px_per_m: float
     pattern: str = ""  #: kind and size of its units (planks, tiles), in words; empty for none
-    split_m: float | None = None  #: height above the floor at which its two bands meet
 
     @classmethod
     def of(
-        cls,
-        image: np.ndarray,
-        area: Area,
-        photo_px_per_m: float,
-        pattern: str = "",
-        split_m: float | None = None,
+        cls, image: np.ndarray, area: Area, photo_px_per_m: float, pattern: str = ""
     ) -> SurfaceMap:
         """Return the map of an image (h, w, 3) uint8 sRGB that covers an area."""
         jpeg, px_per_m = jpeg_bytes(image, quality=MAPS.quality), image.shape[1] / area.size[0]
-        return cls(jpeg, area, px_per_m, photo_px_per_m, pattern, split_m)
+        return cls(jpeg, area, px_per_m, photo_px_per_m, pattern)
 
     def facts(self) -> dict[str, Any]:
         """Return its entry in ``maps.json``."""
         named: dict[str, Any] = {"pattern": self.pattern} if self.pattern else {}
-        if self.split_m is not None:
-            named["split_m"] = self.split_m
         return named | {
             "origin_m": [round(value, 6) for value in self.area.low],
             "extent_m": [round(value, 6) for value in self.area.size],
@@ -412,63 +399,11 @@ class MappedSurface:
     material: str
 
 
-@dataclass(frozen=True, eq=False)
-class Bands:
-    """The tiles of a wall of two materials: above and below `split_m` over the floor."""
-
-    split_m: float
-    upper: Tile
-    lower: Tile
-
-
-def read_bands(
-    path: str | Path, inputs: TextureInputs, tiles: Mapping[SurfaceKey, Tile]
-) -> dict[SurfaceKey, Bands]:
-    """Return the walls in two bands of ``patterns.parquet``; a tile uses crops of one band alone.
-
-    The band whose colour is nearer to the wall's tile gets the tile's colour. The other band's
-    colour differs from it by the ratio that the photos show.
-    """
-    table, _ = read_parquet(path)
-    crops = {(crop.key, crop.crop_id): crop for crop in inputs.crops}
-    plain = {surface.key for surface in inputs.surfaces if surface.substance == PLAIN}
-    bands = {}
-    for row in table[table["kind"] == "bands"].itertuples():
-        key = SurfaceKey(row.room_id, row.surface)
-        if key not in tiles:
-            continue
-        tile_colour = srgb_to_linear(median_colour(tiles[key].image))
-        band_colours = {"above": np.array(row.upper, float), "below": np.array(row.lower, float)}
-        away = {
-            name: np.abs(np.log((c + 0.01) / (tile_colour + 0.01))).sum()
-            for name, c in band_colours.items()
-        }
-        like = min(away, key=lambda name: away[name])
-        band_tiles = []
-        for name, colour in band_colours.items():
-            tone = linear_to_srgb(
-                np.clip(tile_colour * colour / np.maximum(band_colours[like], 1e-3), 0.0, 1.0)
-            )
-            names = str(getattr(row, name)).split("|")
-            group = [crops[key, crop] for crop in names if (key, crop) in crops]
-            tile = exemplar_of(inputs, group, tone, plain=key in plain) if group else None
-            band_tiles.append(tile or _flat(tone))
-        bands[key] = Bands(float(row.split_m), band_tiles[0], band_tiles[1])
-    return bands
-
-
-def _flat(tone: np.ndarray) -> Tile:
-    """Return a tile of one sRGB colour (3,)."""
-    image = np.broadcast_to(as_uint8(tone), (MAPS.band_px, MAPS.band_px, 3)).copy()
-    return Tile(image, 1.0, "a band that no crop shows alone", tiles_by_construction=True)
-
-
 def house_maps(
     house: House,
     tiles: Mapping[SurfaceKey, Tile],
     materials: Mapping[SurfaceKey, str],
     patterns: Mapping[SurfaceKey, LaidPattern],
-    bands: Mapping[SurfaceKey, Bands],
     *,
     seed: int,
 ) -> dict[SurfaceKey, SurfaceMap]:
@@ -477,8 +412,7 @@ def house_maps(
     A map has the colour of its tile and is quilted from the crops that the tile was quilted from,
     or from the tile itself where there are none. `materials` name what a surface shares with other
     rooms. Floors with a pattern (:func:`patterns_of_floors`) are laid from whole units, or get
-    joints alone; walls with `bands` are of two materials. Patches are drawn by (seed, house, room,
-    surface).
+    joints alone. Patches are drawn by (seed, house, room, surface).
     """
     areas = surface_areas(house)
     surfaces = [
@@ -493,11 +427,6 @@ def house_maps(
     for surface in floors:
         if surface.key in patterns and patterns[surface.key].units:
             maps[surface.key] = _laid(surface, patterns[surface.key], seed, everywhere)
-    for surface in surfaces:
-        if surface.key in bands:
-            rng = generator(seed, "maps", house.id, *surface.key)
-            top = house.room(surface.key.room_id).height
-            maps[surface.key] = _banded(surface, bands[surface.key], top, details, rng)
     for group in joined(surface for surface in surfaces if surface.key not in maps):
         detail = _detail(group[0].tile, details)
         rng = generator(seed, "maps", house.id, *group[0].key)
@@ -556,30 +485,6 @@ def _laid(
     image, area = laid(pattern, surface.area, colour, seed, whole)
     image = _fitting(recoloured(image, colour, median_colour(image[::3, ::3])))
     return SurfaceMap.of(image, area, min(PX_PER_M, image.shape[1] / area.size[0]), pattern.words)
-
-
-def _banded(
-    surface: MappedSurface,
-    bands: Bands,
-    height_m: float,
-    details: dict[int, Detail],
-    rng: np.random.Generator,
-) -> SurfaceMap:
-    """Return the map of a wall of two materials in a room `height_m` high."""
-    parts = []
-    for tile in (bands.upper, bands.lower):
-        part = replace(surface, tile=tile)
-        parts += list(_images([part], _detail(tile, details), rng))
-    (_, upper, area, resolved), (_, lower, other, _) = parts
-    if lower.shape[0] > upper.shape[0]:
-        area = other
-    size = (max(upper.shape[1], lower.shape[1]), max(upper.shape[0], lower.shape[0]))
-    image, below = (cv2.resize(part, size) for part in (upper, lower))
-    row = round((height_m - bands.split_m - area.low[1]) / area.size[1] * size[1])
-    row = min(max(row, 0), size[1])
-    image[row:] = below[row:]
-    words = f"two bands, parted at {100 * bands.split_m:.0f} cm"
-    return SurfaceMap.of(image, area, resolved, words, bands.split_m)
 
 
 def joined(surfaces: Iterable[MappedSurface]) -> list[list[MappedSurface]]:

@@ -161,10 +161,7 @@ def paint_textures(
         doors = dict(trim)
     has_maps = (root / "maps.json").is_file()
     maps = read_stage_json(root / "maps.json", "maps") if has_maps else {"surfaces": {}}
-    banded = {key for key in tiles if "split_m" in maps["surfaces"].get("/".join(key), {})}
-    plains = _plain_tiles(
-        tiles, gains, entries, (white_surfaces | whites) - banded, whites - banded
-    )
+    plains = _plain_tiles(tiles, gains, entries, white_surfaces | whites, whites)
     laid = {key for key in tiles if "pattern" in maps["surfaces"].get("/".join(key), {})}
     plains |= _plain_carpets({key: tiles[key] for key in tiles.keys() - laid}, gains, entries)
     outside = {

@@ -1,1 +1,1 @@
-"""Find patterns in photos: planks and tiles of floors, with size and direction; bands of walls."""
+"""Find patterns in photos: planks and tiles of floors, with size and direction."""

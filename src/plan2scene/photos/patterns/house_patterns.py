@@ -14,16 +14,13 @@ from plan2scene.house import House
 from plan2scene.images import jpeg_bytes
 from plan2scene.io import read_parquet, write_parquet
 from plan2scene.parallel import each
-from plan2scene.photos.patterns.bands import WallBands, WallView, find_bands, wall_views
 from plan2scene.photos.patterns.bonds import LAID
 from plan2scene.photos.patterns.find import FIND, FoundPattern, Reading, find_pattern, lines_of
 from plan2scene.photos.patterns.units import Units, cut_units, unlaid
 from plan2scene.photos.patterns.views import (
     FloorView,
     PhotoFiles,
-    PhotoPlanes,
-    floor_views,
-    photos_with_planes,
+    photos_with_floors,
     with_usual_height,
 )
 
@@ -47,11 +44,6 @@ _COLUMNS = {
     "confidence": "float64",
     "photos": "str",
     "like": "str",
-    "split_m": "float64",
-    "upper": "object",
-    "lower": "object",
-    "above": "str",
-    "below": "str",
     "units": "object",
     "shown": "object",
 }
@@ -70,7 +62,7 @@ def write_patterns(
     looks: Mapping[str, tuple[float, float]],
     threads: int = 1,
 ) -> pd.DataFrame:
-    """Find the patterns of a house's floors and its walls in bands; write ``patterns.parquet``.
+    """Find the patterns of a house's floors; write ``patterns.parquet``.
 
     Floors of one material (``materials.parquet``) are measured together. A floor without crops
     (``crops.parquet``), or one that is :func:`boarded`, can take a neighbour's pattern. `looks` are
@@ -86,13 +78,9 @@ def write_patterns(
         room: f"{material} wet" if room in wet else material
         for room, material in zip(floors["room_id"], floors["material"], strict=True)
     }
-    floor_seen: list[FloorView] = []
-    walls_seen: list[WallView] = []
-    photos = photos_with_planes(files, ("floor", "wall"), house_id=plan.id)
-    for floors_of_photo, walls_of_photo in each(_views, photos, threads):
-        floor_seen += floors_of_photo
-        walls_seen += walls_of_photo
-    found = floor_patterns(with_usual_height(floor_seen), shared, looks, threads)
+    photos = photos_with_floors(files, house_id=plan.id)
+    views = [view for of_photo in each(_views, photos, threads) for view in of_photo]
+    found = floor_patterns(with_usual_height(views), shared, looks, threads)
     patterns = {room: pattern for room, (pattern, _) in found.items()}
     pictured, _ = read_parquet(crops)
     seen_rooms = set(pictured.loc[pictured["surface"] == "floor", "room_id"])
@@ -102,11 +90,7 @@ def write_patterns(
         _row(room, *found[like.get(room, room)], like.get(room, ""))
         for room in sorted(found | like)
     ]
-    of_walls = pictured[pictured["surface"] == "wall"]
-    banded = find_bands(walls_seen, wet)
-    rows += [_band_row(room, bands, of_walls) for room, bands in banded.items()]
-    result = pd.DataFrame(rows, columns=list(_COLUMNS)).fillna({"above": "", "below": ""})
-    result = result.fillna({"like": ""}).astype(_COLUMNS)
+    result = pd.DataFrame(rows, columns=list(_COLUMNS)).astype(_COLUMNS)
     write_parquet(output, result, {"dataset": dataset, "house": plan.id})
     for row in result[result["length_m"].notna() | result["direction_deg"].notna()].itertuples():
         size = f"{100 * row.width_m:.1f} x {100 * row.length_m:.1f} cm"
@@ -114,13 +98,12 @@ def write_patterns(
     return result
 
 
-def _views(read: Callable[[], PhotoPlanes]) -> tuple[list[FloorView], list[WallView]]:
-    """Return the floors and walls of a photo, with the lines of the floors already computed."""
-    photo = read()
-    floors = list(floor_views(photo))
-    for view in floors:
+def _views(read: Callable[[], list[FloorView]]) -> list[FloorView]:
+    """Return the floors of a photo, with their lines already computed."""
+    views = read()
+    for view in views:
         lines_of(view)  # the result is cached in the view
-    return floors, list(wall_views(photo))
+    return views
 
 
 def floor_patterns(
@@ -236,39 +219,6 @@ def _row(room: str, pattern: FoundPattern, units: Units, like: str) -> dict[str,
         "joint_m": round(units.joint_m, 5),
         "photos": "|".join(pattern.photos),
         "like": like,
-        "split_m": float("nan"),
-        "upper": [],
-        "lower": [],
         "units": [jpeg_bytes(unit, quality=92, full_colour=True) for unit in units.images],
         "shown": jpeg_bytes(units.shown, quality=85),
-    }
-
-
-def _band_row(room: str, bands: WallBands, crops: pd.DataFrame) -> dict[str, Any]:
-    """Return the row of patterns.parquet for walls in bands; `crops` are those of all walls."""
-    above, below = [], []
-    for crop in crops[crops["room_id"] == room].itertuples():
-        camera_m = bands.planes.get(str(crop.crop_id).rpartition("_crop")[0])
-        if camera_m is None:
-            continue
-        high, low = (camera_m - crop.window[k] for k in (1, 3))
-        if low > bands.split_m:
-            above.append(crop.crop_id)
-        elif high < bands.split_m:
-            below.append(crop.crop_id)
-    _log.info("%s: walls in bands, parted at %.2f m", room, bands.split_m)
-    return {
-        "room_id": room,
-        "surface": "wall",
-        "kind": "bands",
-        "confidence": round(bands.confidence, 4),
-        "joint": [0.0] * 3,
-        "photos": "|".join(bands.photos),
-        "units": [],
-        "shown": b"",
-        "split_m": bands.split_m,
-        "upper": [round(float(value), 4) for value in bands.upper],
-        "lower": [round(float(value), 4) for value in bands.lower],
-        "above": "|".join(above),
-        "below": "|".join(below),
     }

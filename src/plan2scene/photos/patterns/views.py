@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -59,44 +59,28 @@ class PhotoFiles:
     planes: Path
 
 
-@dataclass(frozen=True, eq=False)
-class PhotoPlanes:
-    """A photo, (h, w, 3) uint8 sRGB, and some of its planes with the camera of each.
-
-    `placed` tells whether the photo has a pose; its floors are then seen in the plan's frame.
-    """
-
-    photo: str
-    image: np.ndarray
-    planes: list[tuple[Camera, PhotoPlane]]
-    placed: bool = False
-
-
-def photos_with_planes(
-    files: PhotoFiles, surfaces: Collection[str], *, house_id: str = ""
-) -> list[Callable[[], PhotoPlanes]]:
-    """Return a function for each photo with planes of `surfaces`, which reads that photo."""
+def photos_with_floors(
+    files: PhotoFiles, *, house_id: str = ""
+) -> list[Callable[[], list[FloorView]]]:
+    """Return a function for each photo with floors, which reads that photo and returns them."""
     poses = read_poses(files.cameras)
     frames = read_stage_json(files.masks / "cameras.json", "cameras")
 
-    def read(photo: str, rows: Sequence[Mapping[str, Any]]) -> PhotoPlanes:
+    def read(photo: str, rows: Sequence[Mapping[str, Any]]) -> list[FloorView]:
         if photo not in files.photos or photo not in frames:
             expected = "a camera of every photo with planes"
             raise InputError(expected, f"none of {photo}", file=files.cameras, house=house_id)
         image = read_photo(files.photos[photo], house_id=house_id)
         own, pose = Camera.from_json(frames[photo], file=files.masks), poses.get(photo)
-        planes = []
-        for row in rows:
-            item = plane_of_row(row, image.shape[:2])
-            in_plan = item.in_plan or item.plane.surface == "floor"
-            planes.append((pose.camera if pose and in_plan else own, item))
-        return PhotoPlanes(photo, image, planes, pose is not None)
+        items = [plane_of_row(row, image.shape[:2]) for row in rows]
+        camera = own if pose is None else pose.camera
+        return list(_floor_views(photo, image, camera, items, placed=pose is not None))
 
-    rows_of_photo = {
-        photo: [row for row in rows if row["surface"] in surfaces]
+    floors = {
+        photo: [row for row in rows if row["surface"] == "floor"]
         for photo, rows in sorted(read_planes(files.planes).items())
     }
-    return [partial(read, photo, rows) for photo, rows in rows_of_photo.items() if rows]
+    return [partial(read, photo, rows) for photo, rows in floors.items() if rows]
 
 
 def with_usual_height(views: Sequence[FloorView]) -> list[FloorView]:
@@ -113,12 +97,15 @@ def with_usual_height(views: Sequence[FloorView]) -> list[FloorView]:
     ]
 
 
-def floor_views(seen: PhotoPlanes) -> Iterator[FloorView]:
-    """Yield the floors of which a photo shows a large enough part."""
-    for camera, item in seen.planes:
-        if item.plane.surface != "floor":
-            continue
-        whole = rectify(seen.image, camera, item.plane, min_density=JOINTS.least_px_per_m)
+def _floor_views(
+    photo: str, image: np.ndarray, camera: Camera, planes: Sequence[PhotoPlane], *, placed: bool
+) -> Iterator[FloorView]:
+    """Yield the floors of which a photo (h, w, 3) uint8 sRGB shows a large enough part.
+
+    `placed` tells whether the photo has a pose: `camera` is in the plan's frame then.
+    """
+    for item in planes:
+        whole = rectify(image, camera, item.plane, min_density=JOINTS.least_px_per_m)
         if whole is None:
             continue
         straight, mask = whole.at_scale(JOINTS.px_per_m)
@@ -129,7 +116,7 @@ def floor_views(seen: PhotoPlanes) -> Iterator[FloorView]:
             known = plane.scale_source in _MEASURED
             height = plane.camera_height_m if known else float("nan")
             shown = straight, floor, line_directions, 1.0 / whole.metres_per_pixel, height
-            yield FloorView(seen.photo, item.rooms, seen.placed, *shown)
+            yield FloorView(photo, item.rooms, placed, *shown)
 
 
 def of_one_colour(image: np.ndarray, mask: np.ndarray) -> np.ndarray:
