@@ -169,19 +169,6 @@ def test_a_small_view_of_clear_joints_is_believed():
     assert found.width_m == pytest.approx(SIDE_M / 32, rel=0.06)
 
 
-@pytest.mark.parametrize("rows", [72, 96])
-def test_a_mosaic_is_not_taken_for_planks_or_tiles(rows):
-    image = floor(rows, rows, 0.0, seed=5)
-    views = [view(image, 20.0), view(image, 65.0)]
-    tiled = (0.05, 0.9)
-    found, _ = find_pattern(views, tiled)
-    assert found.kind == "mosaic" and found.width_m == pytest.approx(SIDE_M / rows, rel=0.06)
-    assert find_pattern(views, (0.4, 0.3))[0].kind != "mosaic"  # a carpet's weave
-    # Of photos with three pixels a square the size is less sure.
-    coarse = [replace(seen, px_per_m=3 * rows / SIDE_M) for seen in views]
-    assert find_pattern(coarse, tiled)[0].confidence < 0.8
-
-
 def test_photos_whose_height_is_off_do_not_set_the_size():
     image = floor(4, 16, 0.5, seed=1)
     # All photos are from 1.5 m; three are taken for such from 1.8 m: planks look 20 % wider there.

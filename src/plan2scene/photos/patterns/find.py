@@ -12,14 +12,12 @@ from scipy.ndimage import maximum_filter1d
 from plan2scene.photos.patterns.joints import (
     DISTANCES,
     JOINTS,
-    MOSAICS,
     Direction,
     along,
     moved,
     next_row,
     refined,
     run_on,
-    small_squares,
 )
 from plan2scene.photos.patterns.views import FloorView
 from plan2scene.photos.patterns.zigzag import find_zigzag
@@ -37,7 +35,6 @@ class FindSettings:
     least_kept: float = 0.2  #: least contrast kept along the grain of wood
     grainy: tuple[float, float] = (0.05, 0.15)  #: `plain` and `clear` for scores of :func:`_combed`
     part: float = 0.7  #: a third or fifth of a distance is the period from this share of its score
-    part_of_mosaic: float = 0.25  #: the same share for smaller squares of a mosaic
     plain: float = 0.16  #: score of floors without joints: confidence 0
     clear: float = 0.36  #: least score of joints beyond doubt: confidence 1
     believed: float = 0.4  #: a floor with a lower confidence counts as plain
@@ -58,10 +55,6 @@ class FindSettings:
     #: joint has bright sides. Seen on two real flats (development), 1.0 and 2.1.
     light: float = 1.2
     square: float = 0.12  #: largest log ratio of the sides of square tiles
-    mosaic: tuple[float, float] = (0.05, 0.1)  #: scores for confidence 0 and 1
-    widest_mosaic_m: float = 0.06  #: largest side of a mosaic's squares
-    least_mosaic_m: float = 0.015  #: least side of a mosaic's squares
-    mosaic_px: float = 4.0  #: least side of a square in photo pixels for full confidence
     zigzag_views: int = 12  #: largest number of views that are searched for slanting planks
     zigzag: tuple[float, float] = (0.06, 0.12)  #: scores for confidence 0 and 1
     plank: float = 2.2  #: least length over width of planks
@@ -76,7 +69,7 @@ NAN = float("nan")
 class FoundPattern:
     """The pattern of a floor."""
 
-    #: ``planks``, ``tiles``, ``herringbone``, ``chevron``, ``mosaic``, ``plain``, or ``other`` (it
+    #: ``planks``, ``tiles``, ``herringbone``, ``chevron``, ``plain``, or ``other`` (it
     #: repeats, but not in rows, such as a basket weave)
     kind: str
     #: width_m, length_m: sides of a unit with half a joint on each side; NaN if unknown (planks of
@@ -127,9 +120,6 @@ def find_pattern(
     if slanting is not None:
         return slanting
     grainy = _grainy(views)
-    mosaic = None if grainy else _mosaic(views, (looks or FIND.usual_looks)[1])
-    if mosaic is not None:
-        return mosaic, []
     for widest in (np.inf, FIND.widest_plank_m):
         confidence, readings = _rows(views, grainy, widest)
         if not readings or confidence < FIND.believed:
@@ -200,42 +190,6 @@ def _without_joints(views: Sequence[FloorView], jointed: float) -> float:
     pixels = sum(view.square_m * view.px_per_m**2 for view in views)
     missed = FIND.seen_px / (FIND.seen_px + pixels)
     return (1.0 - jointed) / (1.0 - jointed + jointed * missed)
-
-
-def _mosaic(views: Sequence[FloorView], tiled: float) -> FoundPattern | None:
-    """Return the mosaic that views without a grain show; None if there is none.
-
-    `tiled` is the probability of tiles: carpets and parquet have small squares, too.
-    """
-    weights = np.array([_area(view) for view in views])
-    scores = np.array([small_squares(view.directions[0].view) for view in views])
-    reach = 2 * round(100 * FIND.same_size) + 1
-    pooled = weights @ maximum_filter1d(scores, reach, axis=1) / weights.sum()
-    none, sure = FIND.mosaic
-    confidence = tiled * float(np.clip((pooled.max() - none) / (sure - none), 0.0, 1.0))
-    if confidence < FIND.believed:
-        return None
-    # A shift by half a diagonal separates the lines of both directions, half a side only of one, so
-    # a diagonal scores twice. So do 3 diagonals, and 3 squares by 1 (sqrt(5) diagonals): if a
-    # smaller diagonal scores, too, it is taken; if both do, the one for 3 squares by 1.
-    k = int(pooled.argmax())
-    for times in (3.0, np.sqrt(5.0)):
-        middle = int(pooled.argmax()) - round(100 * np.log(times))
-        near = pooled[max(middle - 3, 0) : max(middle + 4, 0)]
-        if near.size and near.max() >= FIND.part_of_mosaic * pooled.max():
-            k = max(middle - 3, 0) + int(near.argmax())
-    near = np.where(np.abs(np.arange(scores.shape[1]) - k) <= reach // 2, scores, 0.0)
-    shown = near.max(axis=1) > 0.0
-    sizes = MOSAICS[near.argmax(axis=1)][shown] / np.sqrt(2)
-    side, spread = _middle(list(sizes), list(weights[shown]))
-    if side > FIND.widest_mosaic_m:
-        return None
-    photos = dict.fromkeys(v.photo for v, seen in zip(views, shown, strict=True) if seen)
-    # Squares of few photo pixels may really be several smaller squares each.
-    pixels = float(np.average([v.px_per_m for v in views], weights=weights * shown)) * side
-    part = np.sqrt(5.0) if side > np.sqrt(5.0) * FIND.least_mosaic_m else 1.0
-    confidence *= min(1.0, pixels / part / FIND.mosaic_px)
-    return FoundPattern("mosaic", side, side, spread, confidence=confidence, photos=tuple(photos))
 
 
 def _zigzag(views: Sequence[FloorView]) -> tuple[FoundPattern, list[Reading]] | None:

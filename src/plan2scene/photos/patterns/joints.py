@@ -37,7 +37,6 @@ class JointSettings:
     shortest_m: float = 0.04  #: least distance of joints
     longest_m: float = 1.6  #: largest distance of joints
     of_extent: float = 0.75  #: largest period, share of the extent that is seen
-    mosaic_m: tuple[float, float] = (0.02, 0.09)  #: range tried of small squares' diagonals
     least_overlap: float = 0.08  #: least overlap of a shift, share of the seen pixels
     least_px_per_m: float = 80.0  #: least resolution of a photo: with less, joints are not seen
     least_m: float = 0.5  #: least area of a view, as the side of a square
@@ -52,8 +51,6 @@ JOINTS = JointSettings()
 
 #: Distances that are tried, metres, each 1 % more than the one before.
 DISTANCES = np.exp(np.arange(np.log(JOINTS.shortest_m), np.log(JOINTS.longest_m), 0.01))
-#: Diagonals of a mosaic's squares that are tried, metres.
-MOSAICS = np.exp(np.arange(np.log(JOINTS.mosaic_m[0]), np.log(JOINTS.mosaic_m[1]), 0.01))
 
 
 @dataclass(frozen=True, eq=False)
@@ -274,41 +271,6 @@ def lines(view: Upright, along: float, *, down: bool) -> Iterator[tuple[str, np.
     ):
         loose = cv2.GaussianBlur(values, (0, 0), JOINTS.loose_px)
         yield name, loose if down else loose.T
-
-
-def small_squares(view: Upright) -> np.ndarray:
-    """Return how clearly a mosaic repeats (n,) at each diagonal of `MOSAICS`, metres.
-
-    The image must repeat four times in succession in two perpendicular directions: small squares
-    do, but neither grain nor joints of larger units. The contrast itself is compared, not lines,
-    since lines so close together would be blurred into one.
-    """
-    most = round(5 * JOINTS.mosaic_m[1] * JOINTS.px_per_m)
-    shape = tuple(fft.next_fast_len(side + most, real=True) for side in view.valid.shape)
-    values, weight = view.contrast, view.valid.astype(np.float32)
-    total, count = (
-        fft.irfft2(np.abs(fft.rfft2(part, shape)) ** 2, shape) for part in (values, weight)
-    )
-    near = np.ix_(*[np.arange(-most, most + 1)] * 2)
-    alike = (total[near] / np.maximum(count[near], 1.0)).astype(np.float32)
-    alike = cv2.GaussianBlur(alike / max(float(alike[most, most]), 1e-9), (0, 0), 0.7)
-    # The view's directions come from long lines, which a mosaic lacks: all directions are tried.
-    turns = np.radians(np.arange(0.0, 90.0, 1.0))[:, None]
-    tried = MOSAICS * JOINTS.px_per_m
-    worth = np.full((len(turns), len(tried)), np.inf)
-    for turn in (turns, turns + np.pi / 2):
-        for k in range(1, 5):
-            here, before, after = (
-                cv2.remap(
-                    alike,
-                    (most + (k + x) * tried * np.cos(turn)).astype(np.float32),
-                    (most + (k + x) * tried * np.sin(turn)).astype(np.float32),
-                    cv2.INTER_LINEAR,
-                )
-                for x in (0.0, -0.5, 0.5)
-            )
-            worth = np.minimum(worth, here - 0.5 * (before + after))
-    return np.asarray(worth.max(axis=0))
 
 
 class Overlap:
