@@ -58,6 +58,10 @@ def house_of_plan(document: Any, house_id: str, *, file: str = "") -> House:
         types = dict.fromkeys(source.room_type(name, entry["id"]) for name in entry["types"])
         name = source.shown_name(entry.get("name"))
         rooms.append(Room(entry["id"], tuple(types), tuple(rings), height, level, name))
+    lacking = [entry["id"] for entry in document["rooms"] if "height" not in entry and not levels]
+    if has_heights and lacking:
+        found = f"none of {', '.join(lacking)[:100]}; {DEFAULT_HEIGHT:g} m used"
+        source.warn("a height of each room, as one has one", found)
     levels = used_levels(source, levels, rooms)
     source.limit_corners(rooms)
     walls = walls_of_rooms(rooms, depth=float(document.get("wall_depth", DEFAULT_DEPTH)))

@@ -364,11 +364,7 @@ def _read_rings(
 
 
 def _room_height(
-    source: Source,
-    room: str,
-    low: float,
-    ceiling: float | None,
-    elements: list[dict[str, Any]],
+    source: Source, room: str, low: float, ceiling: float | None, elements: list[dict[str, Any]]
 ) -> float:
     """Return the height in metres: ceiling over floor, else the highest wall, else the default."""
     if ceiling is not None:

@@ -76,17 +76,17 @@ def test_house_of_one_room_with_a_shaft(tmp_path):
     assert len(house.walls) == 7 and house.adjacency() == ()
 
 
-def test_an_opening_beside_its_wall_is_refused_and_one_over_its_end_is_cut(tmp_path):
+def test_openings_beside_and_beyond_walls_and_lacking_heights_are_told(tmp_path):
     document = plan()
     document["openings"][1].update({"from": [0.3, 1], "to": [0.3, 2]})
-    line = fault(tmp_path, document)
     expected = "a wall within 0.2 m of opening opening_1"
-    assert line == f": expected {expected}, found the nearest at 0.30 m"
+    assert fault(tmp_path, document) == f": expected {expected}, found the nearest at 0.30 m"
     document = plan()
+    document["rooms"][0]["height"] = 2.5
     document["openings"][0].update({"from": [3.5, 3], "to": [4.2, 3]})
-    house = read(tmp_path, document)
-    assert len(house.warnings) == 1
-    assert house.warnings[0].endswith("of 3.000 m, found -0.200 to 0.500 m, cut")
+    height, cut = (house := read(tmp_path, document)).warnings
+    assert height.endswith("a height of each room, as one has one, found none of b; 2.8 m used")
+    assert cut.endswith("of 3.000 m, found -0.200 to 0.500 m, cut")
     opening = next(o for wall in house.walls for o in wall.openings if o.id == "d")
     assert (opening.start, opening.end) == pytest.approx((0.0, 0.5))
 
