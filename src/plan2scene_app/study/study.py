@@ -176,7 +176,7 @@ def study_result(
     answers, refused = _collected(key, sorted(map(Path, answer_files)))
     if answers.empty:
         why = "; ".join(refused) or f"{len(answer_files)} files without answers"
-        raise InputError("answers to the study's form", why, file=key_file)
+        raise InputError("files of answers in the folder study.answers", why, file=key_file)
     result = preferences(key, answers, pairs)
     names = zip(result["method"], result["other"], strict=True)
     result["published_share"] = [str(PUBLISHED.get(pair, "none")) for pair in names]
