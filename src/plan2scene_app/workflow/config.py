@@ -59,7 +59,7 @@ def _values(config: Mapping[str, Any]) -> Iterator[tuple[str, object]]:
 def check_checkpoints(config: Mapping[str, Any]) -> None:
     """Raise InputError if a needed checkpoint is not named, or a named one is not a file.
 
-    The same holds for precomputed labels and a pretrained network: else each house would fail.
+    The same holds for named folders and a pretrained network: else each house would fail.
     """
     paths = {f"metrics.{name}": config["metrics"][name] for name in ("vgg16", "inception")}
     paths |= {f"models.{name}": path for name, path in config["models"].items()}
@@ -73,6 +73,10 @@ def check_checkpoints(config: Mapping[str, Any]) -> None:
     for name, path in paths.items():
         if path is not None and not Path(path).is_file():
             raise InputError(f"a checkpoint ({name})", "no such file", file=path)
+    for section, key in (("crops", "folder"), ("textures", "library_folder")):
+        path = config[section][key]
+        if path is not None and not Path(path).is_dir():
+            raise InputError(f"a folder ({section}.{key})", "no such folder", file=path)
     folder = config["photos"]["masks_folder"]
     if config["photos"]["masks"] == "precomputed" and not (folder and Path(folder).is_dir()):
         raise InputError("a folder of label PNGs (photos.masks_folder)", str(folder or "null"))
