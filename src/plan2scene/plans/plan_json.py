@@ -61,7 +61,7 @@ def house_of_plan(document: Any, house_id: str, *, file: str = "") -> House:
     lacking = [entry["id"] for entry in document["rooms"] if "height" not in entry and not levels]
     if has_heights and lacking:
         found = f"none of {', '.join(lacking)[:100]}; {DEFAULT_HEIGHT:g} m used"
-        source.warn("a height of each room, as one has one", found)
+        source.warn("a height of every room, or of none", found)
     levels = used_levels(source, levels, rooms)
     source.limit_corners(rooms)
     walls = walls_of_rooms(rooms, depth=float(document.get("wall_depth", DEFAULT_DEPTH)))

@@ -85,7 +85,7 @@ def test_openings_beside_and_beyond_walls_and_lacking_heights_are_told(tmp_path)
     document["rooms"][0]["height"] = 2.5
     document["openings"][0].update({"from": [3.5, 3], "to": [4.2, 3]})
     height, cut = (house := read(tmp_path, document)).warnings
-    assert height.endswith("a height of each room, as one has one, found none of b; 2.8 m used")
+    assert height.endswith("a height of every room, or of none, found none of b; 2.8 m used")
     assert cut.endswith("of 3.000 m, found -0.200 to 0.500 m, cut")
     opening = next(o for wall in house.walls for o in wall.openings if o.id == "d")
     assert (opening.start, opening.end) == pytest.approx((0.0, 0.5))
