@@ -15,7 +15,7 @@ from plan2scene.errors import InputError
 from plan2scene.images import read_reduced_image
 from plan2scene_app.pdf import is_pdf, page_count, page_picture, pages_by_lines
 from plan2scene_app.tracing.drawings import on_one_page, storey_told
-from plan2scene_app.tracing.lettering import lines_of
+from plan2scene_app.tracing.lettering import lines_of, without_text
 from plan2scene_app.tracing.looks import Look, drawn_homes, first_looks
 from plan2scene_app.tracing.picture import (
     PlanPicture,
@@ -48,7 +48,7 @@ def read_plan_pages(
             picture = read_plan_picture(path, number)
         except InputError:  # an empty page
             continue
-        page = dark_on_light(picture.image)
+        page = without_text(dark_on_light(picture.image), picture.texts)
         shown = drawn_homes(first_looks(page, segmenter)[0], page)
         looks += 1
         if shown:

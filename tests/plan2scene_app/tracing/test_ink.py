@@ -20,10 +20,10 @@ from plan2scene_app.tracing.thin_walls import with_thin_walls
 from .conftest import PPM, as_probabilities, flat_labels, rooms_alone, solid_page
 
 
-def traced(labels):
+def traced(labels, sure=0.9):
     regions = find_regions(labels, PPM)
     polygons = outlines.room_polygons(regions)
-    return regions, polygons, find_openings(regions, polygons, as_probabilities(labels))
+    return regions, polygons, find_openings(regions, polygons, as_probabilities(labels, sure))
 
 
 @pytest.mark.parametrize("arc", [True, False])
@@ -98,8 +98,7 @@ def test_an_open_leaf_is_no_wall_unless_a_wall_goes_on_behind_it(goes_on):
 def test_a_door_whose_swing_is_drawn_is_a_sure_one():
     labels, page = rooms_alone()
     cv2.ellipse(page, (60, 121), (27, 27), 0, -90, 0, (0, 0, 0), 1)
-    regions = find_regions(labels, PPM)
-    seen = find_openings(regions, outlines.room_polygons(regions), as_probabilities(labels, 0.4))
+    regions, _, seen = traced(labels, 0.4)
     found = marks.with_swings(seen, page, regions.wall_px)
     sure = [opening for opening in found if opening.confidence > 0.7]
     assert [opening.kind for opening in sure] == ["door"] and sure[0].start[1] > 115
@@ -153,9 +152,7 @@ def test_a_gap_that_is_half_a_door_and_half_a_window_is_a_door(doors, found):
 
 def test_two_doors_that_meet_in_a_corner_are_two():
     labels = flat_labels()
-    labels[30:33, 212:237] = DOOR
-    labels[30:60, 240:243] = DOOR
-    labels[30:33, 237:243] = DOOR
+    labels[30:33, 212:243] = labels[30:60, 240:243] = DOOR
     _, _, doors = traced(np.minimum(labels, ROOM))
     widths = sorted(round(o.width / PPM, 1) for o in doors if o.kind == "door")
     assert widths == pytest.approx([0.9, 0.9, 0.9, 1.0], abs=0.15)
@@ -287,12 +284,9 @@ def test_the_widest_window_to_a_terrace_without_a_door_is_one():
 def test_a_window_all_along_a_terrace_is_its_rail():
     terrace, room = box(0, 0, 100, 50), box(0, 50, 100, 150)
     rail = TracedOpening("window", (5.0, 0.0), (95.0, 0.0), 1, 0, 0.9)
-    kept = [
-        replace(rail, end=(80.0, 0.0)),  # walls are beside it
-        replace(rail, start=(5.0, 50.0), end=(95.0, 50.0), other=2),
-        replace(rail, start=(5.0, 150.0), end=(95.0, 150.0), room=2),
-        replace(rail, kind="door"),
-    ]
+    inner, outer = (replace(rail, start=(5.0, y), end=(95.0, y)) for y in (50.0, 150.0))
+    kept = [replace(inner, other=2), replace(outer, room=2), replace(rail, kind="door")]
+    kept += [replace(rail, end=(80.0, 0.0))]  # walls are beside it
     assert outlines.without_rails([rail, *kept], {1: terrace, 2: room}, {1}) == kept
 
 

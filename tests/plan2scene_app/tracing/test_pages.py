@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 from flat_picture import flat_picture
+from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
 from PIL import Image
 
@@ -77,5 +78,11 @@ def test_letters_of_a_pdf_are_read_in_any_script_without_a_reader(tmp_path, monk
         ("Спальня", ("Bedroom",)),
     ]
     assert not any("no text is read" in line for line in doubts(plan))
-    areas = [room.polygon.area * plan.metres**2 for room in plan.rooms]
-    assert areas[0] == pytest.approx(20.5, rel=0.05)
+    assert plan.rooms[0].polygon.area * plan.metres**2 == pytest.approx(20.5, rel=0.05)
+    with PdfPages(tmp_path / "two.pdf") as two:
+        two.savefig(figure), two.savefig(figure)
+    seen = []  # letters are no walls to the network that looks for plans on the pages
+    monkeypatch.setattr(pages, "first_looks", lambda page, _: seen.append(page) or ([], None, 0))
+    pages.read_plan_pages(tmp_path / "two.pdf", None)
+    height, width = seen[0].shape[:2]
+    assert seen[0][height // 3 : 2 * height // 3, width // 4 : 2 * width // 5].min() > 200

@@ -103,8 +103,7 @@ def test_what_lies_behind_a_thin_line_belongs_to_its_room(line_px, thin):
 def test_closed_rooms_taken_for_outside_are_rooms_and_a_light_well_is_none():
     labels = flat_labels()
     assert find_regions(np.where(labels >= ROOM, OUTSIDE, labels), PPM).count == 2
-    well = labels.copy()
-    well[well == WINDOW] = WALL
+    well = np.where(labels == WINDOW, WALL, labels)
     well[well == 8] = OUTSIDE
     well = np.where((labels == DOOR) & (np.arange(labels.shape[1]) > 4.5 * PPM), WINDOW, well)
     assert find_regions(np.minimum(well, ROOM), PPM).count == 1
