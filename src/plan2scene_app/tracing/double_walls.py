@@ -10,7 +10,7 @@ from scipy import ndimage
 
 from plan2scene_app.tracing.ink import ink_of, solid_walls
 from plan2scene_app.tracing.looks import Look
-from plan2scene_app.tracing.picture import first_scale
+from plan2scene_app.tracing.picture import drawn_size, first_scale, scale_by_doors
 from plan2scene_app.tracing.settings import OUTSIDE, ROOM, SETTINGS, WALL
 
 
@@ -27,7 +27,8 @@ def with_filled_walls(image: np.ndarray, looks: Sequence[Look]) -> np.ndarray:
         np.maximum(labels, _in_picture(look, image.shape[:2]), out=labels)
     largest = max(looks, key=lambda look: int((look.structure == WALL).sum()))
     ppm = first_scale(largest.structure) / largest.frame.zoom
-    thickest = SETTINGS.ending_wall * ppm
+    by_size = scale_by_doors([], drawn_size(largest.structure)) / largest.frame.zoom
+    thickest = SETTINGS.ending_wall * max(ppm, by_size)  # of a missed door a splinter is seen
     ink, wall = ink_of(image), labels == WALL
     blank = ink <= SETTINGS.ink
     if not wall.any() or solid_walls(ink, ppm)[wall].mean() >= SETTINGS.solid:
