@@ -22,6 +22,8 @@ def with_filled_walls(image: np.ndarray, looks: Sequence[Look]) -> np.ndarray:
     the rest of a wall. `image` has no text. It is returned as it is unless many of its walls are
     such areas.
     """
+    if not looks:
+        return image
     labels = np.full(image.shape[:2], OUTSIDE, np.uint8)
     for look in looks:
         np.maximum(labels, _in_picture(look, image.shape[:2]), out=labels)
