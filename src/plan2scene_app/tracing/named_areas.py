@@ -1,7 +1,8 @@
 """Use the written room names to correct rooms: add areas with a name, join counters without one.
 
-Balconies, decks and garages have thin or dashed lines as borders, and the network may miss the
-middle of a hall. In plans with solid walls, thin lines around counters part them from kitchens.
+Balconies, decks and garages have thin or dashed lines as borders: the network may see nothing of
+them, or a part without borders. It may also miss the middle of a hall. In plans with solid walls,
+thin lines around counters part them from kitchens.
 """
 
 from __future__ import annotations
@@ -20,16 +21,24 @@ _LINE_PX = 5
 
 
 def with_named_areas(
-    structure: np.ndarray, image: np.ndarray, names: Sequence[tuple[float, float]], ppm: float
+    structure: np.ndarray,
+    image: np.ndarray,
+    names: Sequence[tuple[float, float]],
+    open_air: Sequence[tuple[float, float]],
+    ppm: float,
 ) -> np.ndarray:
     """Return the structure (h, w) uint8 with each closed area around a name (x, y) as a room.
 
-    An area that encloses other rooms is the ground around the home, and no room.
+    An area that encloses other rooms is the ground around the home, and no room. At the names of
+    balconies and the like, `open_air`, such an area replaces floor that has no border.
     """
     side = 2 * round(SETTINGS.dash * ppm / 2) + 1
     ink = (ink_of(image) > SETTINGS.ink).astype(np.uint8)
     lines = cv2.morphologyEx(ink, cv2.MORPH_CLOSE, np.ones((side, side), np.uint8)) > 0
     changed = structure.copy()
+    floors, _ = ndimage.label(structure == ROOM)
+    open_floors = [n for n in _at(floors, open_air) if _is_open(floors == n, structure)]
+    structure = np.where(np.isin(floors, open_floors), OUTSIDE, structure)
     places, _ = ndimage.label((structure == OUTSIDE) & ~lines)
     rim = np.concatenate([places[0], places[-1], places[:, 0], places[:, -1]])
     tried = set(np.unique(rim).tolist()) | {0}
@@ -46,6 +55,8 @@ def with_named_areas(
         holds_rooms = (structure[within] == ROOM).sum() >= SETTINGS.parted_floor * ppm**2
         if holds_rooms or area.sum() < SETTINGS.room_floor * ppm**2:
             continue
+        if floors[round(y), round(x)] in open_floors:
+            changed[floors == floors[round(y), round(x)]] = OUTSIDE
         changed[area] = ROOM
         beside = _wide(area) & ~area & (structure == OUTSIDE)
         # A line between this area and floor that the network saw already is furniture, no wall.
@@ -83,6 +94,12 @@ def without_counters(
             if front >= SETTINGS.counter_front * around.sum():
                 changed[between] = ROOM
     return changed
+
+
+def _is_open(floor: np.ndarray, structure: np.ndarray) -> bool:
+    """Return whether a floor (h, w) bool has too much of the outside beside it to be a room."""
+    rim = _wide(floor) & ~floor
+    return bool(rim.any() and np.mean(structure[rim] != OUTSIDE) < SETTINGS.closed)
 
 
 def _at(floors: np.ndarray, places: Sequence[tuple[float, float]]) -> set[int]:

@@ -330,7 +330,9 @@ def _seen(image: np.ndarray, segmenter: PlanSegmenter, texts: Sequence[TextLine]
     if not seen_walls or floor_count(structure, ppm) < SETTINGS.floors_a_name * len(names):
         divided, ppm = with_thin_walls(structure, frame.image, names, room_areas, ppm)
     thin = divided is not structure
-    divided = without_pockets(with_named_areas(divided, frame.image, names, ppm), ppm)
+    open_air = [line.middle for line in lines if OPEN_AIR.intersection(room_types(line.text))]
+    divided = with_named_areas(divided, frame.image, names, open_air, ppm)
+    divided = without_pockets(divided, ppm)
     if seen_walls:
         kitchens = [line.middle for line in lines if "Kitchen" in room_types(line.text)]
         divided = without_counters(divided, frame.image, names, kitchens, ppm)

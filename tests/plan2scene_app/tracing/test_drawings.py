@@ -66,10 +66,13 @@ def test_dashed_lines_around_a_name_close_a_room():
     for x in range(243, 264, 6):
         page[60, x : x + 4] = page[90, x : x + 4] = 0
     page[60:91, 266] = 0
-    found = with_named_areas(labels, page, [(255.0, 75.0), (20.0, 20.0)], PPM)
+    found = with_named_areas(labels, page, [(255.0, 75.0), (20.0, 20.0)], [], PPM)
     assert found[75, 255] == ROOM and found[20, 20] == OUTSIDE and found[75, 266] == WALL
+    labels[65:85, 245:260] = ROOM  # a part is seen, without borders
+    found = with_named_areas(labels, page, [(255.0, 75.0)], [(255.0, 75.0)], PPM)
+    assert found[61, 262] == ROOM and found[75, 266] == WALL
     page[60:91, 266] = 255
-    assert (with_named_areas(labels, page, [(255.0, 75.0)], PPM) == labels).all()
+    assert (with_named_areas(labels, page, *2 * [[(255.0, 75.0)]], PPM) == labels).all()
 
 
 @pytest.mark.parametrize("sized", [True, False])
