@@ -41,6 +41,7 @@ from plan2scene_app.tracing.ink import (
     with_whole_windows,
     without_standing_lines,
 )
+from plan2scene_app.tracing.legend import with_legend
 from plan2scene_app.tracing.lettering import TextLine, lines_of, reader_installed, without_text
 from plan2scene_app.tracing.looks import Look, drawn_homes, first_looks, look_at, of_drawing, only
 from plan2scene_app.tracing.named_areas import with_named_areas, without_counters
@@ -164,7 +165,9 @@ def trace_picture(
     page = dark_on_light(picture.image)
     texts = lines_of(page, picture.texts)
     read = bool(picture.texts) or reader_installed()
-    seen = _seen(without_text(page, texts), segmenter, texts)
+    page_alone = without_text(page, texts)
+    texts = with_legend(texts)
+    seen = _seen(page_alone, segmenter, texts)
     frame, probabilities, regions = seen.frame, seen.probabilities, seen.regions
     polygons = _polygons(seen)
     openings = _openings(seen, polygons)
