@@ -28,10 +28,10 @@ def _read_stems() -> dict[tuple[str, str], list[str]]:
 _STEMS = _read_stems()
 _GARAGE, _LAUNDRY = _STEMS["Unknown", "garage"], _STEMS["Unknown", "laundry"]
 #: Names that match only as a whole: "zimmer" alone is a bedroom (German); abbreviations.
-_WHOLE = {"zimmer": "Bedroom", "pokoj dzienny": "Reception", "w i cl": "Closet", "k": "Kitchen"}
-_WHOLE |= dict.fromkeys(("c", "cl", "st"), "Closet")
-_WHOLE |= dict.fromkeys(("obyvaci pokoj", "dnevna soba", "dnevni prostor"), "Reception")
-_WHOLE |= {"baie": "Bathroom", "szoba": "Bedroom"}  # a bay in French; part of longer words
+_WHOLE = {"zimmer": "Bedroom", "w i cl": "Closet", "k": "Kitchen", "bijkeuken": "Unknown"}
+_WHOLE |= dict.fromkeys(("c", "cl", "st"), "Closet") | {"przedpokoj": "Corridor"}
+_WHOLE |= dict.fromkeys(("obyvaci pokoj", "pokoj dzienny", "dnevna soba"), "Reception")
+_WHOLE |= {"dnevni prostor": "Reception", "baie": "Bathroom", "szoba": "Bedroom"}
 _TYPES = {name.lower(): name for name in ROOM_TYPES} | _WHOLE
 
 

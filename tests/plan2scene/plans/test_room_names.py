@@ -7,20 +7,22 @@ NAMES = {
     "|Yatak odası|חדר שינה|洋室6帖|BDRM 2|BR1|M.BED|Schlafz.|Dorm. 2|ALK|Eltern"
     '|Ložnice|Hálószoba|Spavaća soba|Szoba 2|침실 1|次卧|غرفة نوم|ΥΠΝΟΔΩΜΑΤΙΟ|Phòng ngủ 1|ממ"ד',
     ("Bathroom",): "Salle de bains|WC|Upstairs Bathroom|Baño|Garage / WC|Łazienka|Casa de banho"
-    "|PWDR|PDR RM|ENS.|W.C.|KH|SdB|Gästebad"
+    "|Banho|PWDR|PDR RM|ENS.|W.C.|KH|SdB|Gästebad"
     "|אמבטיה|Koupelna|Fürdőszoba|С/У|С/у 2|卫生间|욕실|Μπάνιο|Baie|SdE",
     ("Reception",): "Wohnzimmer|Séjour|Soggiorno|Woonkamer|LivingRoom|Гостиная|FAM RM|Sogg."
     "|Obývací pokoj|Nappali|Dnevni boravak|Dnevna soba|거실|餐厅|المعيشة|Σαλόνι|Phòng khách"
-    "|Rec Room",
+    "|Rec Room|Sala de jantar|Tinello|Жилая комната",
     ("Kitchen",): "Butler's pantry|BUTLERS PANTRY|KIT|K|Køkken|מטבח"
     "|Kuchyň|Konyha|주방|ΚΟΥΖΙΝΑ|Bucătărie|Nhà bếp",
     ("Closet",): "W/I CL|W/I A|Ripostiglio|ST|W.I.R.|WIC|P'TRY|CUPB'D|Abstellr."
     "|Šatna|Walk-in|Cabina armadio|衣帽间|Αποθήκη",
     ("Kitchen", "Reception"): "Küche/Essen",
     ("Reception", "Kitchen"): "Living / Kitchen",
-    ("Balcony",): "BALCONY|PARV.|Erkély|발코니|شرفة",
+    ("Balcony",): "BALCONY|PARV.|Erkély|Sacada|발코니|شرفة",
+    ("Terrace",): "Teraza",
+    ("Corridor",): "Przedpokój 2|Dist.|Circulação|Corr.",
     ("Entrance",): "玄関ホール|Vorzimmer|Előszoba|Předsíň|현관",
-    ("Unknown",): "HWR|L'DRY|L’DRY|LDRY|L.DRY|LNDRY|GAR.",
+    ("Unknown",): "HWR|L'DRY|L’DRY|LDRY|L.DRY|LNDRY|GAR.|Постирочная|Tendedero|Arbeiten",
     (): "Фасад||Zone 51|Baie vitrée",
 }
 
@@ -44,6 +46,7 @@ def test_a_garage_is_told_by_its_name(name, garage):
     [
         ("Kök", ("Kitchen",), True),
         ("L'DRY", ("Unknown",), True),
+        ("Bijkeuken", ("Unknown",), True),
         ("Entry", ("Entrance",), True),
         ("Kitchen / Living", ("Kitchen", "Reception"), False),
         ("Study", ("Unknown",), False),
