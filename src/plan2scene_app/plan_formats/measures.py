@@ -14,6 +14,10 @@ _AREA = re.compile(
     r"|ft\.?\s?[2²]|sf|м\s?[2²]|кв\.?\s?м|[帖畳])(?![a-z])",
     re.IGNORECASE,
 )
+#: A unit before its number: ``mq 12,50``.
+_UNIT_FIRST = re.compile(
+    rf"(?<!\d)(?<!\d\s)\b(mq|m[2²])(?:\.\s*|\s+)({_NUMBER})(?!\s*[\d.,x×])", re.IGNORECASE
+)
 _FEET = re.compile(
     r"""^(\d{1,3})\s*(?:'|’|′|`|ft\.?|feet)\s*-?\s*(?:(\d{1,2}(?:[.,]\d)?)\s*(?:"|''|”|″|“|in\.?)?)?$""",
     re.IGNORECASE,
@@ -41,7 +45,7 @@ _LENGTHS, _AREAS = (0.3, 60.0), (0.5, 600.0)
 def read_areas(text: str) -> list[tuple[float, float]]:
     """Return each area in a text in m2, and the value in m2 of one in its last digit."""
     areas = []
-    for number, unit in _AREA.findall(text):
+    for number, unit in _AREA.findall(_UNIT_FIRST.sub(r"\2 \1", text)):
         square = _MAT if unit in "帖畳" else _FOOT**2 if "f" in unit.lower() else 1.0
         value, digit = (square * part for part in _value(number))
         if _AREAS[0] <= value <= _AREAS[1]:
@@ -99,7 +103,7 @@ def read_sides(text: str) -> list[tuple[float, float]]:
 
 def without_measures(text: str) -> str:
     """Return a text without its areas and sides: the name of a room beside them."""
-    plain = _NOTES.sub(" ", text)
+    plain = _UNIT_FIRST.sub(r"\2 \1", _NOTES.sub(" ", text))
     plain = _BRACKETS.sub(lambda part: " " if re.search(r"\d", part[1]) else part[0], plain)
     return " ".join(_PAIR.sub(" ", _AREA.sub(" ", plain)).split()).strip(" ,;:~-")
 

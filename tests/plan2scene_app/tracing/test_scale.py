@@ -33,6 +33,8 @@ AREAS = {
     "13m²": (13.0, 1.0),
     "Wohnen 21.37 qm": (21.37, 0.01),
     "6.2 sqm": (6.2, 0.1),
+    "cuc. mq. 9,15": (9.15, 0.01),
+    "6,2 mq 3": (6.2, 0.1),
     "215 sq ft": (19.97, 0.0929),
     "100 ft²": (9.29, 0.0929),
     "12,3 м2": (12.3, 0.1),
@@ -81,6 +83,7 @@ def test_what_tells_no_measure(read, texts):
     [
         ("Lounge 4.2m x 3.1m (13'9 x 10'2)", "Lounge"),
         ("Wohnen 21,37 qm", "Wohnen"),
+        ("cuc. mq 9,15", "cuc."),
         ("Bedroom 1 (rear)", "Bedroom 1 (rear)"),
         ("12'6 max x 10'2", ""),
     ],
