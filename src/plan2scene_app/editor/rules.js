@@ -33,6 +33,14 @@ export function problemsOf(plan, rules) {
 const kindOf = (value) => (Array.isArray(value) ? "array" : value === null ? "null" : typeof value);
 const show = (value) => { const text = JSON.stringify(value) ?? "nothing"; return text.length > 80 ? `${text.slice(0, 77)}...` : text; };
 
+// What types and keywords of the schema demand, in the words of errors.py.
+const TYPE_NAMES = { array: "a list", integer: "a whole number", object: "keys with values" };
+const DEMANDS = {
+  minItems: (n) => `at least ${n} entries`, maxItems: (n) => `at most ${n} entries`, maxLength: (n) => `at most ${n} characters`,
+  minimum: (n) => `at least ${n}`, maximum: (n) => `at most ${n}`, exclusiveMinimum: (n) => `more than ${n}`,
+  pattern: () => "only letters, digits, '_', '-' and '.'", uniqueItems: () => "each entry once",
+};
+
 /** The part of JSON Schema that plan.schema.json uses. */
 function checkSchema(value, schema, root, place, fault, plan) {
   if (schema.$ref) schema = schema.$ref.slice(2).split("/").reduce((part, key) => part[key], root);
@@ -42,7 +50,7 @@ function checkSchema(value, schema, root, place, fault, plan) {
     fault(expected + (place ? ` at ${place}` : ""), text, list === "rooms" ? name : "", list === "openings" ? name : "");
   if ("const" in schema && value !== schema.const) return say(`'${schema.const}'`.replace(/^'(\d+)'$/, "$1"));
   if (schema.enum && !schema.enum.includes(value)) return say(`one of ${schema.enum.join(", ")}`);
-  if (schema.type && kindOf(value) !== schema.type) return say(schema.type);
+  if (schema.type && kindOf(value) !== schema.type) return say(TYPE_NAMES[schema.type] ?? `a ${schema.type}`);
   const limits = {
     minItems: (n) => value.length >= n, maxItems: (n) => value.length <= n, maxLength: (n) => value.length <= n,
     minimum: (n) => value >= n, maximum: (n) => value <= n, exclusiveMinimum: (n) => value > n,
@@ -50,7 +58,7 @@ function checkSchema(value, schema, root, place, fault, plan) {
     uniqueItems: () => new Set(value.map(show)).size === value.length,
   };
   for (const [key, holds] of Object.entries(limits))
-    if (key in schema && !holds(schema[key])) return say(key === "uniqueItems" ? "uniqueItems True" : `${key} ${schema[key]}`);
+    if (key in schema && !holds(schema[key])) return say(DEMANDS[key](schema[key]));
   if (schema.type === "object") {
     for (const key of schema.required ?? []) if (!(key in value)) return say(`key '${key}'`, "none");
     for (const key of Object.keys(value)) {
