@@ -89,6 +89,9 @@ function readRooms(plan, levels, rules, fault, warn) {
     const height = room.height ?? levels.find((level) => level.id === room.level)?.height ?? limits.default_height;
     return { id: room.id, rings, polygon: rings[0], holes: rings.slice(1), height, level: room.level };
   });
+  const lacking = levels.length ? [] : plan.rooms.filter((room) => !("height" in room)).map((room) => room.id);
+  if (lacking.length && lacking.length < rooms.length)
+    warn("a height of every room, or of none", `none of ${lacking.join(", ").slice(0, 100)}; ${limits.default_height} m used`);
   if (corners > limits.max_corners) fault(`at most ${limits.max_corners} corners of all rooms`, `${corners}`);
   return rooms;
 }
