@@ -30,8 +30,15 @@ _MAX_ICC_BYTES = 4_000_000
 _BAND_ROWS = 256
 #: Errors that damaged EXIF data cause in Pillow.
 _DAMAGED_EXIF = (
-    *(ArithmeticError, AttributeError, EOFError, LookupError, OSError),
-    *(SyntaxError, TypeError, ValueError, struct.error),
+    ArithmeticError,
+    AttributeError,
+    EOFError,
+    LookupError,
+    OSError,
+    SyntaxError,
+    TypeError,
+    ValueError,
+    struct.error,
 )
 
 

@@ -654,7 +654,7 @@ def _doubts_of_rooms(plan: TracedPlan) -> Iterator[str]:
         "their use is guessed from what is drawn in them, or from their size": lambda r: (
             r.types != ("Unknown",) and not r.named
         ),
-        "they may be no rooms": lambda r: r.confidence < SETTINGS.doubtful,
+        "they may not be rooms": lambda r: r.confidence < SETTINGS.doubtful,
         "no door or passage found": lambda r: r.number not in ways,
     }
     for what, has in kinds.items():
