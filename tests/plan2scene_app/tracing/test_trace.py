@@ -174,3 +174,13 @@ def test_blank_paper_is_cut_before_a_large_picture_is_made_smaller(tmp_path):
     for axis, places in enumerate((columns, rows)):
         ends = np.array([places.min(), places.max() + 1]) * found.shrunk + found.corner[axis]
         assert ends == pytest.approx([(6000, 10_000), (2000, 4000)][axis], abs=5)
+
+
+def test_walls_drawn_as_two_lines_part_the_same_rooms(tmp_path, monkeypatch):
+    monkeypatch.setattr(trace, "lines_of", lambda image, told: [])
+    page = flat_picture().repeat(2, 0).repeat(2, 1)
+    page[cv2.erode((page.max(2) < 60).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0] = 255
+    write_png(tmp_path / "flat.png", page)
+    plan = trace.trace_picture(tmp_path / "flat.png")
+    assert len(plan.rooms) == 2
+    assert sorted(opening.kind for opening in plan.openings) == ["door", "door", "window"]
